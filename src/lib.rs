@@ -6,6 +6,8 @@
 
 pub mod format;
 pub mod fragment;
+#[cfg(feature = "scene")]
+pub mod scene;
 pub mod state;
 pub mod target;
 

@@ -1,0 +1,79 @@
+//! Triangles in, covered pixels with interpolated varyings out.
+//!
+//! Rules that hold here, in the order a triangle meets them:
+//! 1. A vertex with a non-finite position drops its triangle; so does one whose `1/w` or `z/w` overflows binary32.
+//! 2. [`clip`]: homogeneous clipping to `0 <= z <= w`, `w > 0` and a guard band far outside the target, in binary64.
+//!    A cut edge gives the same new vertex whichever triangle it is seen from.
+//! 3. [`setup`]: division and viewport in binary32, then positions are snapped to 1/256 of a pixel, ties to even.
+//!    Facing, culling and everything after use the snapped positions.
+//! 4. [`edge`]: exact integer edge functions and the top-left rule: a pixel centre on an edge shared by two triangles
+//!    belongs to exactly one of them.
+//! 5. [`interpolate`]: depth linear in screen space, varyings perspective-correct, both in binary64 and rounded to
+//!    binary32 once; [`bias`] adds the depth bias.
+//!
+//! Sources: WebGPU, *Rasterization*; Vulkan, *Rasterization / Basic Polygon Rasterization*; D3D11.3 3.4.
+
+pub mod bias;
+pub mod clip;
+pub mod edge;
+pub mod interpolate;
+pub mod setup;
+#[cfg(test)]
+mod tests;
+
+pub use edge::Span;
+pub use setup::Primitive;
+
+use wgpu_types::{DepthBiasState, PrimitiveState};
+
+use crate::format::depth::DepthKind;
+use crate::target::Extent;
+
+/// Sub-pixel positions a pixel is divided into, per axis (8 bits, Vulkan's `subPixelPrecisionBits` of most devices).
+pub const SUBPIXELS: i64 = 256;
+
+/// A vertex after the vertex shader.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vertex<const N: usize> {
+    /// Clip-space position x, y, z, w; any `f32`.
+    pub position: [f32; 4],
+    /// Values to interpolate; any `f32`.
+    pub varyings: [f32; N],
+}
+
+/// What rasterisation is told about one draw. The viewport is the whole target.
+#[derive(Clone, Copy, Debug)]
+pub struct RasterState {
+    /// Size of the target.
+    pub extent: Extent,
+    /// Depths that `z = 0` and `z = w` map to.
+    pub depth_range: [f32; 2],
+    /// Front face, culling and depth clipping; the topology is always a triangle list.
+    pub primitive: PrimitiveState,
+    /// Depth bias; all zero adds nothing.
+    pub bias: DepthBiasState,
+    /// Kind of the depth attachment, which sets the unit of the bias; `None` without one.
+    pub depth: Option<DepthKind>,
+}
+
+impl RasterState {
+    /// Both faces, depth range `[0, 1]`, no bias, no depth attachment.
+    #[must_use]
+    pub fn new(extent: Extent) -> Self {
+        Self {
+            extent,
+            depth_range: [0.0, 1.0],
+            primitive: PrimitiveState::default(),
+            bias: DepthBiasState::default(),
+            depth: None,
+        }
+    }
+}
+
+/// The parts of one triangle that may cover pixels: none, one, or a fan where clipping cut it.
+#[must_use]
+pub fn assemble<const N: usize>(triangle: [Vertex<N>; 3], state: &RasterState) -> Vec<Primitive<N>> {
+    let polygon = clip::clip(triangle, state);
+    let Some((first, rest)) = polygon.split_first() else { return Vec::new() };
+    rest.windows(2).filter_map(|pair| Primitive::new([*first, pair[0], pair[1]], state)).collect()
+}
