@@ -4,12 +4,23 @@
 //! must the GPU write, and why?*
 #![forbid(unsafe_code)]
 
-pub mod format;
-pub mod fragment;
-#[cfg(feature = "scene")]
-pub mod scene;
 pub mod state;
+
+pub mod format;
+
 pub mod target;
 
+pub mod fragment;
+
+pub mod merger;
+
+pub mod model;
+
+#[cfg(feature = "scene")]
+pub mod scene;
+
 pub use fragment::Fragment;
+pub use merger::Merger;
+pub use model::NumericModel;
 pub use state::{AlphaTest, DynamicState, MergerState};
+pub use target::{Extent, Framebuffer};

@@ -2,7 +2,7 @@
 
 use wgpu_types::TextureFormat as T;
 
-use super::{FloatLayout, FormatError};
+use super::{FormatError, Rounding, unorm};
 
 /// A depth and/or stencil target format.
 ///
@@ -23,15 +23,27 @@ pub enum DepthKind {
 }
 
 impl DepthKind {
-    /// The layout of a float depth code.
-    pub const FLOAT_LAYOUT: FloatLayout = FloatLayout { exponent_bits: 8, mantissa_bits: 23, signed: true };
-
     /// The real value of a depth code.
     #[must_use]
     pub fn value(self, code: u32) -> f64 {
         match self {
-            Self::Unorm(bits) => f64::from(code) / f64::from(super::unorm::steps(bits)),
+            Self::Unorm(bits) => f64::from(code) / f64::from(unorm::steps(bits)),
             Self::Float32 => f64::from(f32::from_bits(code)),
+        }
+    }
+
+    /// The depth code of a fragment: clamped to `range`, then converted, ties away from zero.
+    ///
+    /// NaN becomes the range's minimum, as `min(max, max(min, z))` gives it with IEEE 754-2008 minimum and maximum.
+    /// Source: D3D11.3 17.9 to 17.11 (always clamped; rounded by "add 0.5 and truncate" before comparing).
+    #[must_use]
+    pub fn encode(self, z: f32, range: [f32; 2]) -> u32 {
+        // `f32::max` returns the number when the other operand is NaN.
+        let clamped = z.max(range[0]).min(range[1]);
+        match self {
+            Self::Unorm(bits) => unorm::encode(f64::from(clamped), bits, Rounding::NearestAway),
+            // -0 and +0 compare equal; store the one that also compares equal as bits.
+            Self::Float32 => (clamped + 0.0).to_bits(),
         }
     }
 }
@@ -74,5 +86,28 @@ impl DepthFormat {
     #[must_use]
     pub fn has_stencil(self) -> bool {
         matches!(self.texture_format, T::Depth24PlusStencil8 | T::Depth32FloatStencil8 | T::Stencil8)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nan_depth_becomes_the_minimum() {
+        assert_eq!(DepthKind::Unorm(16).encode(f32::NAN, [0.25, 1.0]), 16384, "0.25 in 16 bits");
+        assert_eq!(DepthKind::Float32.encode(f32::NAN, [0.0, 1.0]), 0, "zero");
+    }
+
+    #[test]
+    fn depth_is_clamped_to_the_viewport_range() {
+        assert_eq!(DepthKind::Unorm(24).encode(2.0, [0.0, 1.0]), 0x00ff_ffff, "far");
+        assert_eq!(DepthKind::Float32.encode(-1.0, [0.5, 1.0]), 0.5_f32.to_bits(), "near");
+        assert_eq!(DepthKind::Float32.encode(-0.0, [0.0, 1.0]), 0, "-0 stores as +0");
+    }
+
+    #[test]
+    fn the_tie_at_a_half_rounds_up() {
+        assert_eq!(DepthKind::Unorm(16).encode(0.5, [0.0, 1.0]), 32768, "32767.5");
     }
 }

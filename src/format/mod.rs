@@ -10,12 +10,14 @@
 pub mod depth;
 pub mod float;
 pub mod layout;
+pub mod rounding;
 pub mod snorm;
 pub mod srgb;
 pub mod unorm;
 
 pub use depth::DepthFormat;
 pub use layout::ColorFormat;
+pub use rounding::Rounding;
 
 use wgpu_types::TextureFormat;
 

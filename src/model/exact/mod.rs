@@ -1,0 +1,89 @@
+//! The `exact` model: the equation in real arithmetic on the given inputs, one correct rounding at the store.
+//!
+//! Every finite `f32` input, every stored code, and infinities, NaN and signed zeros by IEEE 754's rules. The equation
+//! is first run in [`bounded`] arithmetic: `f64` numbers with a proven bound on their error. Where that bound cannot
+//! decide the rounding, the same equation is run again in [`extended`] arithmetic: rationals, with the irrational sRGB
+//! values enclosed as tightly as the decision needs.
+
+pub mod bounded;
+pub mod extended;
+
+use wgpu_types::BlendState;
+
+use super::{ColorInputs, Explanation, NumericModel, Unsupported, evaluate, explain};
+use crate::format::depth::DepthKind;
+use crate::format::{Codes, ColorFormat, Rounding};
+
+use bounded::Bounded;
+use extended::Extended;
+
+/// Bits of the first and the finest enclosure tried. Decisions that are not ties need far fewer than the finest.
+const PRECISIONS: [u32; 6] = [128, 256, 512, 1024, 4096, 16384];
+
+/// The `exact` model.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Exact {
+    /// How the one rounding goes; nearest even unless asked otherwise.
+    pub rounding: Rounding,
+}
+
+impl Exact {
+    /// The result by rational arithmetic alone; slow, and equal to [`NumericModel::merge_color`] by construction of the
+    /// bound (and by test).
+    #[must_use]
+    pub fn merge_color_rational(self, inputs: &ColorInputs) -> Codes {
+        self.extended(inputs, evaluate).1
+    }
+
+    /// Runs `run` with growing precision until no rounding is in doubt.
+    fn extended<T>(self, inputs: &ColorInputs, run: impl Fn(&Extended, &ColorInputs) -> T) -> (Extended, T) {
+        for bits in PRECISIONS {
+            let arithmetic = Extended::new(self.rounding, bits);
+            let result = run(&arithmetic, inputs);
+            if !arithmetic.in_doubt() {
+                return (arithmetic, result);
+            }
+        }
+        // Only an sRGB channel has irrational numbers in it, and a sum of them that met a threshold exactly would have
+        // to be rational: see the note on ties in `extended`.
+        unreachable!("an enclosure of 2^-16384 decides every rounding that is not a tie")
+    }
+}
+
+impl NumericModel for Exact {
+    fn name(&self) -> String {
+        match self.rounding {
+            Rounding::NearestEven => "exact".to_owned(),
+            Rounding::NearestAway => "exact:ties-away".to_owned(),
+            Rounding::TowardZero => "exact:toward-zero".to_owned(),
+        }
+    }
+
+    fn provenance(&self) -> &'static str {
+        "real arithmetic on the given inputs and one correct rounding; checked against an independent \
+         arbitrary-precision evaluation"
+    }
+
+    fn supports(&self, _format: ColorFormat, _blend: Option<&BlendState>) -> Result<(), Unsupported> {
+        Ok(())
+    }
+
+    fn merge_color(&self, inputs: &ColorInputs) -> Codes {
+        if Bounded::covers(inputs) {
+            let arithmetic = Bounded::new(self.rounding);
+            let codes = evaluate(&arithmetic, inputs);
+            if !arithmetic.in_doubt() {
+                return codes;
+            }
+        }
+        self.merge_color_rational(inputs)
+    }
+
+    fn explain_color(&self, inputs: &ColorInputs) -> Explanation {
+        self.extended(inputs, explain).1
+    }
+
+    fn depth_code(&self, kind: DepthKind, z: f32, range: [f32; 2]) -> u32 {
+        kind.encode(z, range)
+    }
+}

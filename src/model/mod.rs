@@ -1,0 +1,187 @@
+//! Numeric models: the arithmetic of the output merger, and nothing else.
+//!
+//! The blend equation is written once, in [`crate::merger`], over [`Arithmetic`]. A model that follows the equation
+//! supplies an `Arithmetic`; a driver that fuses load, blend and encode implements [`NumericModel`] as one unit. The
+//! rest of the crate sees only `NumericModel`.
+//!
+//! | model | meaning |
+//! |---|---|
+//! | [`exact`] | real arithmetic, one correct rounding at the store |
+//! | [`binary32`] (`f32`) | every operation rounded to binary32 |
+//! | [`binary16`] (`f16`) | every operation rounded to binary16 |
+//! | [`fixed`] | parametric fixed point |
+
+pub mod binary16;
+pub mod binary32;
+pub mod exact;
+pub mod fixed;
+pub mod registry;
+
+use std::fmt::Debug;
+
+use wgpu_types::BlendState;
+
+use crate::format::depth::DepthKind;
+use crate::format::{ChannelKind, Codes, ColorFormat, TargetClass};
+use crate::merger::blend::{self, blend};
+use crate::merger::encode::encode;
+
+/// What the blender sees of one texel: state, shader outputs and stored codes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ColorInputs {
+    /// The target's format.
+    pub format: ColorFormat,
+    /// The blend state; `None` is blending off.
+    pub blend: Option<BlendState>,
+    /// The blend constant, RGBA, unclamped.
+    pub constant: [f32; 4],
+    /// The shader's output, RGBA, unclamped.
+    pub src: [f32; 4],
+    /// The second source, RGBA, unclamped.
+    pub src1: [f32; 4],
+    /// The codes stored before.
+    pub dst: Codes,
+}
+
+/// A named way to compute the output merger's numbers.
+///
+/// Implementations are pure: equal inputs give equal codes.
+pub trait NumericModel: Debug + Send + Sync {
+    /// The name that selects this model, e.g. `exact` or `fixed:8`.
+    fn name(&self) -> String;
+
+    /// Where the rules come from and how they were checked, in one sentence.
+    fn provenance(&self) -> &'static str;
+
+    /// Whether the model defines a result for this format and blend state.
+    ///
+    /// # Errors
+    /// [`Unsupported`], with the reason.
+    fn supports(&self, format: ColorFormat, blend: Option<&BlendState>) -> Result<(), Unsupported>;
+
+    /// The codes after this fragment with every channel written: load, blend and encode. The write mask comes later.
+    ///
+    /// `inputs` must be [supported](Self::supports); for others the result is unspecified.
+    fn merge_color(&self, inputs: &ColorInputs) -> Codes;
+
+    /// The same with every intermediate number, for people.
+    fn explain_color(&self, inputs: &ColorInputs) -> Explanation;
+
+    /// The depth code of a fragment's depth `z`, clamped to the viewport's `range` first.
+    fn depth_code(&self, kind: DepthKind, z: f32, range: [f32; 2]) -> u32;
+
+    /// What becomes of a texel that the fragment covers but may not change (masked channels, failed tests). Specs say
+    /// it keeps its bits; a driver that rewrites the texel may canonicalise NaNs.
+    fn rewrite_untouched(&self, format: ColorFormat, codes: Codes) -> Codes {
+        let _ = format;
+        codes
+    }
+}
+
+/// The operations the blend equation is made of, over one kind of number.
+///
+/// Callers clamp shader outputs and constants (as `f32`, which is exact) before [`take_in`](Self::take_in).
+pub trait Arithmetic {
+    /// The number inside the blender.
+    type Value: Clone + Debug;
+
+    /// Takes in a shader output or blend constant, already clamped for the target class.
+    fn take_in(&self, x: f32, format: ColorFormat, channel: usize) -> Self::Value;
+
+    /// Decodes a stored code; sRGB codes give linear values. Never asked for an absent channel.
+    fn decode(&self, code: u32, kind: ChannelKind) -> Self::Value;
+
+    /// 0 as a factor or as a missing channel.
+    fn zero(&self) -> Self::Value;
+
+    /// 1 as a factor or as a missing channel.
+    fn one(&self) -> Self::Value;
+
+    /// 1 - x.
+    fn complement(&self, x: &Self::Value) -> Self::Value;
+
+    /// Narrows a value to the width of a factor; most models leave it alone.
+    fn factor(&self, x: Self::Value) -> Self::Value {
+        x
+    }
+
+    /// x * factor.
+    fn multiply(&self, x: &Self::Value, factor: &Self::Value) -> Self::Value;
+
+    /// x + y.
+    fn add(&self, x: &Self::Value, y: &Self::Value) -> Self::Value;
+
+    /// x - y.
+    fn subtract(&self, x: &Self::Value, y: &Self::Value) -> Self::Value;
+
+    /// The smaller; a number rather than NaN.
+    fn minimum(&self, x: &Self::Value, y: &Self::Value) -> Self::Value;
+
+    /// The larger; a number rather than NaN.
+    fn maximum(&self, x: &Self::Value, y: &Self::Value) -> Self::Value;
+
+    /// Clamps to the range of a normalised class; the identity for [`TargetClass::Float`]. NaN becomes 0.
+    fn clamp(&self, x: &Self::Value, class: TargetClass) -> Self::Value;
+
+    /// The code that stores x, already clamped for its class. Never asked for an absent channel.
+    fn encode(&self, x: &Self::Value, kind: ChannelKind) -> u32;
+
+    /// The number as people read it.
+    fn describe(&self, x: &Self::Value) -> Number;
+}
+
+/// A number for people: decimal always, exact fraction where there is one.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "json", derive(serde::Serialize))]
+pub struct Number {
+    /// Nearest binary64 value.
+    pub decimal: f64,
+    /// Exact form, e.g. `64/255`; empty where the decimal says all.
+    pub exact: String,
+}
+
+/// One line of an explanation: what happened, to each channel.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "json", derive(serde::Serialize))]
+pub struct Step {
+    /// Name of the step, e.g. `source factor (src-alpha)`.
+    pub name: String,
+    /// RGBA; `None` where the step does not apply to a channel.
+    pub values: [Option<Number>; 4],
+    /// The equation or rule with numbers substituted, per channel; empty where the name says all.
+    pub equation: [String; 4],
+}
+
+/// How a model arrives at its codes.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "json", derive(serde::Serialize))]
+pub struct Explanation {
+    /// The steps in order.
+    pub steps: Vec<Step>,
+    /// The resulting codes, all channels written.
+    pub codes: Codes,
+}
+
+/// A format and state a model defines no result for.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("model `{model}` does not cover {what}: {reason}")]
+pub struct Unsupported {
+    /// The model's name.
+    pub model: String,
+    /// The format or state.
+    pub what: String,
+    /// Why not.
+    pub reason: &'static str,
+}
+
+/// Load, blend and encode by the generic equation.
+pub(crate) fn evaluate<A: Arithmetic>(arithmetic: &A, inputs: &ColorInputs) -> Codes {
+    encode(arithmetic, inputs, &blend(arithmetic, inputs))
+}
+
+/// The same, explained.
+pub(crate) fn explain<A: Arithmetic>(arithmetic: &A, inputs: &ColorInputs) -> Explanation {
+    let steps = blend(arithmetic, inputs);
+    let codes = encode(arithmetic, inputs, &steps);
+    blend::explain(arithmetic, inputs, &steps, codes)
+}
