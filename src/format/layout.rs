@@ -198,7 +198,8 @@ mod tests {
         for (name, texture_format) in FORMATS {
             let format = ColorFormat::new(texture_format).expect("listed formats are known");
             for seed in 0..=255_u8 {
-                let bytes: Vec<u8> = (0..16_u8).map(|i| seed.wrapping_mul(31).wrapping_add(i.wrapping_mul(57))).collect();
+                let bytes: Vec<u8> =
+                    (0..16_u8).map(|i| seed.wrapping_mul(31).wrapping_add(i.wrapping_mul(57))).collect();
                 let mut again = vec![0; 16];
                 format.pack(format.unpack(&bytes), &mut again);
                 let n = format.bytes_per_texel();
