@@ -23,3 +23,8 @@ pub(crate) fn i64_to_f64(x: i64) -> f64 {
 pub(crate) fn u32_to_f32(x: u32) -> f32 {
     x as f32
 }
+
+/// The nearest of 256 codes for `x` brought into `[0, 1]`, ties to even; NaN gives 0.
+pub(crate) fn unit_to_u8(x: f64) -> u8 {
+    u8::try_from(f64_to_i64(x.clamp(0.0, 1.0) * 255.0)).unwrap_or(0)
+}
