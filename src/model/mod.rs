@@ -10,11 +10,13 @@
 //! | [`binary32`] (`f32`) | every operation rounded to binary32 |
 //! | [`binary16`] (`f16`) | every operation rounded to binary16 |
 //! | [`fixed`] | parametric fixed point |
+//! | [`llvmpipe`] | Mesa's llvmpipe (lavapipe), bit for bit |
 
 pub mod binary16;
 pub mod binary32;
 pub mod exact;
 pub mod fixed;
+pub mod llvmpipe;
 pub mod registry;
 
 use std::fmt::Debug;

@@ -5,6 +5,7 @@ use super::binary16::Binary16;
 use super::binary32::Binary32;
 use super::exact::Exact;
 use super::fixed::{FixedPoint, FixedSpecError};
+use super::llvmpipe::{Llvmpipe, VectorWidth};
 use crate::format::Rounding;
 
 /// A model name that names nothing.
@@ -19,7 +20,7 @@ pub enum ModelNameError {
 }
 
 /// The names [`by_name`] takes; `fixed` also takes parameters after a colon.
-pub const NAMES: [&str; 5] = ["exact", "exact:ties-away", "f32", "f16", "fixed:8"];
+pub const NAMES: [&str; 7] = ["exact", "exact:ties-away", "f32", "f16", "fixed:8", "llvmpipe", "llvmpipe:128"];
 
 /// The model with this name.
 ///
@@ -32,6 +33,8 @@ pub fn by_name(name: &str) -> Result<Box<dyn NumericModel>, ModelNameError> {
         "exact:toward-zero" => Box::new(Exact { rounding: Rounding::TowardZero }),
         "f32" => Box::new(Binary32),
         "f16" => Box::new(Binary16),
+        "llvmpipe" => Box::new(Llvmpipe::default()),
+        "llvmpipe:128" => Box::new(Llvmpipe { vector_width: VectorWidth::Bits128 }),
         "fixed" => Box::new(FixedPoint::default()),
         _ => match name.strip_prefix("fixed:") {
             Some(spec) => Box::new(spec.parse::<FixedPoint>()?),

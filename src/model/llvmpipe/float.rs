@@ -1,0 +1,214 @@
+//! Float targets: binary32 arithmetic with denormals flushed, x86 minima, and stores that truncate.
+
+use wgpu_types::{BlendFactor, BlendOperation};
+
+use super::state::{channel_count, complementary, is_inverted, rewrite};
+use super::steps::{Equation, Steps};
+use crate::format::{ChannelKind, FloatLayout, Rounding};
+use crate::merger::blend::component;
+use crate::model::ColorInputs;
+
+/// Operations of the driver's rasteriser threads: denormal operands count as zero, denormal results become zero.
+pub(super) mod ops {
+    /// The smallest normal number, 2^-126.
+    const TINY: f32 = f32::MIN_POSITIVE;
+
+    /// A denormal operand counts as zero of its sign.
+    pub(in super::super) fn flush(x: f32) -> f32 {
+        if x.abs() < TINY { 0.0_f32.copysign(x) } else { x }
+    }
+
+    pub(in super::super) fn add(a: f32, b: f32) -> f32 {
+        flush(flush(a) + flush(b))
+    }
+
+    pub(in super::super) fn subtract(a: f32, b: f32) -> f32 {
+        add(a, -b)
+    }
+
+    /// A product is tiny if it is below 2^-126 after rounding to 24 bits without a lower limit on the exponent.
+    pub(in super::super) fn multiply(a: f32, b: f32) -> f32 {
+        let (a, b) = (flush(a), flush(b));
+        let product = a * b;
+        let exact = f64::from(a) * f64::from(b);
+        if is_tiny(exact) { 0.0_f32.copysign(product) } else { product }
+    }
+
+    /// a * b + c rounded once.
+    #[expect(clippy::disallowed_methods, reason = "the driver emits a fused multiply-add here")]
+    pub(in super::super) fn fused_multiply_add(a: f32, b: f32, c: f32) -> f32 {
+        let (a, b, c) = (flush(a), flush(b), flush(c));
+        let sum = a.mul_add(b, c);
+        // The f64 sum is exact or not near the limit: tiny sums are multiples of 2^-252 below 2^-126.
+        if is_tiny(f64::from(a) * f64::from(b) + f64::from(c)) { 0.0_f32.copysign(sum) } else { sum }
+    }
+
+    /// Half an ulp (of 24-bit numbers below 2^-126) under 2^-126 still rounds up to it.
+    fn is_tiny(exact: f64) -> bool {
+        let limit = f64::from(TINY) * (1.0 - 1.0 / f64::from(1 << 25));
+        exact.abs() < limit
+    }
+
+    /// x86 MINPS: the second operand unless the first is less.
+    pub(in super::super) fn minimum(a: f32, b: f32) -> f32 {
+        let (a, b) = (flush(a), flush(b));
+        if a < b { a } else { b }
+    }
+
+    /// x86 MAXPS: the second operand unless the first is greater.
+    pub(in super::super) fn maximum(a: f32, b: f32) -> f32 {
+        let (a, b) = (flush(a), flush(b));
+        if a > b { a } else { b }
+    }
+}
+
+/// What the equation reads.
+pub(super) struct Operands {
+    pub src: [f32; 4],
+    pub src1: [f32; 4],
+    pub constant: [f32; 4],
+    pub dst: [f32; 4],
+}
+
+/// Float targets.
+pub(super) fn merge(inputs: &ColorInputs) -> Steps {
+    let channels = inputs.format.channels();
+    let decode = |i: usize| match channels[i] {
+        ChannelKind::Float(layout) => crate::model::binary32::narrow(layout.decode(inputs.dst[i])),
+        _ => 0.0,
+    };
+    let operands =
+        Operands { src: inputs.src, src1: inputs.src1, constant: inputs.constant, dst: std::array::from_fn(decode) };
+    let (result, equation) = blend(inputs, &operands);
+    let codes = std::array::from_fn(|i| match channels[i] {
+        ChannelKind::Float(FloatLayout::SINGLE) => result[i].to_bits(),
+        ChannelKind::Float(layout) => layout.encode(f64::from(result[i]), Rounding::TowardZero),
+        _ => 0,
+    });
+    Steps {
+        rule: "binary32, unclamped",
+        src: operands.src.map(f64::from),
+        dst: operands.dst.map(f64::from),
+        equation,
+        result: result.map(f64::from),
+        codes,
+    }
+}
+
+/// The driver's equation in binary32; with blending off, the source.
+pub(super) fn blend(inputs: &ColorInputs, operands: &Operands) -> ([f32; 4], [Option<Equation>; 4]) {
+    let mut result = operands.src;
+    let mut equations = [None; 4];
+    let Some(state) = inputs.blend.map(|state| rewrite(state, inputs.format)) else {
+        return (result, equations);
+    };
+    let count = channel_count(inputs.format);
+    let has_alpha = inputs.format.channels()[3] != ChannelKind::Absent;
+    let both = |wanted: BlendFactor, pick: fn(&wgpu_types::BlendComponent) -> BlendFactor| {
+        pick(&state.color) == wanted && (!has_alpha || pick(&state.alpha) == wanted)
+    };
+    // A multiply by a constant is dropped only when every lane of the vector has that constant.
+    let term = |pick: fn(&wgpu_types::BlendComponent) -> BlendFactor, x: f32, factor: f32| {
+        if both(BlendFactor::Zero, pick) {
+            None
+        } else if both(BlendFactor::One, pick) {
+            Some(x)
+        } else {
+            Some(ops::multiply(x, factor))
+        }
+    };
+    let same_factors = state.color.src_factor == state.color.dst_factor
+        && (!has_alpha || state.alpha.src_factor == state.alpha.dst_factor);
+    for i in 0..count {
+        let c = component(&state, i);
+        let (src, dst) = (operands.src[i], operands.dst[i]);
+        let src_factor = operands.factor(c.src_factor, i);
+        let dst_factor = operands.factor(c.dst_factor, i);
+        let complementary = count == 1 && complementary(c.src_factor, c.dst_factor);
+        let rule;
+        (result[i], rule) = match c.operation {
+            BlendOperation::Min => (ops::minimum(src, dst), "S < D ? S : D"),
+            BlendOperation::Max => (ops::maximum(src, dst), "S > D ? S : D"),
+            operation if complementary => {
+                interpolate(operation, is_inverted(c.dst_factor), src, dst, src_factor, dst_factor)
+            }
+            operation if same_factors => {
+                let combined = combine(operation, Some(src), Some(dst));
+                (term(|c| c.src_factor, combined, src_factor).unwrap_or(0.0), "(S op D) F")
+            }
+            operation => {
+                let s = term(|c| c.src_factor, src, src_factor);
+                let d = term(|c| c.dst_factor, dst, dst_factor);
+                (combine(operation, s, d), "S Fs op D Fd, each operation rounded; terms with factor 0 dropped")
+            }
+        };
+        equations[i] = Some(Equation { src_factor: f64::from(src_factor), dst_factor: f64::from(dst_factor), rule });
+    }
+    (result, equations)
+}
+
+/// Add, subtract or reverse-subtract; a dropped term is a zero that costs no operation where it can be left out.
+fn combine(operation: BlendOperation, src: Option<f32>, dst: Option<f32>) -> f32 {
+    let (left, right) = if operation == BlendOperation::ReverseSubtract { (dst, src) } else { (src, dst) };
+    match (operation, left, right) {
+        (_, None, None) => 0.0,
+        (_, Some(x), None) | (BlendOperation::Add, None, Some(x)) => x,
+        (BlendOperation::Add, Some(x), Some(y)) => ops::add(x, y),
+        (_, None, Some(y)) => ops::subtract(0.0, y),
+        (_, Some(x), Some(y)) => ops::subtract(x, y),
+    }
+}
+
+/// Single-channel targets with factors f and 1 - f.
+fn interpolate(
+    operation: BlendOperation,
+    dst_inverted: bool,
+    src: f32,
+    dst: f32,
+    src_factor: f32,
+    dst_factor: f32,
+) -> (f32, &'static str) {
+    let sum = || ops::add(src, dst);
+    match (operation, dst_inverted) {
+        (BlendOperation::Add, true) => {
+            (ops::fused_multiply_add(src_factor, ops::subtract(src, dst), dst), "fma(Fs, S - D, D)")
+        }
+        (BlendOperation::Add, false) => {
+            (ops::fused_multiply_add(dst_factor, ops::subtract(dst, src), src), "fma(Fd, D - S, S)")
+        }
+        (BlendOperation::Subtract, true) => (ops::subtract(ops::multiply(sum(), src_factor), dst), "(S + D) Fs - D"),
+        (BlendOperation::Subtract, false) => (ops::subtract(src, ops::multiply(sum(), dst_factor)), "S - (S + D) Fd"),
+        (_, true) => (ops::subtract(dst, ops::multiply(sum(), src_factor)), "D - (S + D) Fs"),
+        (_, false) => (ops::subtract(ops::multiply(sum(), dst_factor), src), "(S + D) Fd - S"),
+    }
+}
+
+impl Operands {
+    fn factor(&self, factor: BlendFactor, i: usize) -> f32 {
+        let complement = |x| ops::subtract(1.0, x);
+        match factor {
+            BlendFactor::Zero => 0.0,
+            BlendFactor::One => 1.0,
+            BlendFactor::Src => self.src[i],
+            BlendFactor::OneMinusSrc => complement(self.src[i]),
+            BlendFactor::SrcAlpha => self.src[3],
+            BlendFactor::OneMinusSrcAlpha => complement(self.src[3]),
+            BlendFactor::Dst => self.dst[i],
+            BlendFactor::OneMinusDst => complement(self.dst[i]),
+            BlendFactor::DstAlpha => self.dst[3],
+            BlendFactor::OneMinusDstAlpha => complement(self.dst[3]),
+            BlendFactor::SrcAlphaSaturated if i == 3 => 1.0,
+            BlendFactor::SrcAlphaSaturated => ops::minimum(self.src[3], self.inverse_dst_alpha()),
+            BlendFactor::Constant => self.constant[i],
+            BlendFactor::OneMinusConstant => complement(self.constant[i]),
+            BlendFactor::Src1 => self.src1[i],
+            BlendFactor::OneMinusSrc1 => complement(self.src1[i]),
+            BlendFactor::Src1Alpha => self.src1[3],
+            BlendFactor::OneMinusSrc1Alpha => complement(self.src1[3]),
+        }
+    }
+
+    fn inverse_dst_alpha(&self) -> f32 {
+        ops::subtract(1.0, self.dst[3])
+    }
+}

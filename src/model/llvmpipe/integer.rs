@@ -1,0 +1,217 @@
+//! Normalised targets: integer arithmetic on 8- or 16-bit codes. The source becomes a code before blending.
+
+use wgpu_types::{BlendFactor, BlendOperation};
+
+use super::VectorWidth;
+use super::state::{channel_count, complementary, is_inverted, rewrite};
+use super::steps::{Equation, Steps};
+use crate::format::{ChannelKind, Codes};
+use crate::merger::blend::component;
+use crate::model::ColorInputs;
+
+/// Integer arithmetic of one width.
+#[derive(Clone, Copy)]
+struct Width {
+    bits: u32,
+}
+
+const EIGHT: Width = Width { bits: 8 };
+const SIXTEEN: Width = Width { bits: 16 };
+
+impl Width {
+    fn one(self) -> u32 {
+        (1 << self.bits) - 1
+    }
+
+    /// (t + (t >> n) + 2^(n-1)) >> n with t = a b: near a b / N, and off from it for 24 of 65,536 pairs at 8 bits.
+    fn multiply(self, a: u32, b: u32) -> u32 {
+        let t = a * b;
+        (t + (t >> self.bits) + (1 << (self.bits - 1))) >> self.bits
+    }
+
+    fn saturating_add(self, a: u32, b: u32) -> u32 {
+        (a + b).min(self.one())
+    }
+
+    /// v0 + x (v1 - v0), as the driver interpolates single-channel targets, modulo 2^n.
+    fn lerp(self, x: u32, v0: u32, v1: u32) -> u32 {
+        let x = i64::from(x + (x >> (self.bits - 1)));
+        let delta = i64::from(v1) - i64::from(v0);
+        let step = match self.bits {
+            8 => (x * delta * 128 + 0x4000) >> 15,
+            _ => (x * delta) >> 16,
+        };
+        let wrapped = (i64::from(v0) + step).rem_euclid(1 << self.bits);
+        u32::try_from(wrapped).expect("reduced to the width")
+    }
+}
+
+/// A shader output or constant as an 8-bit code: min(x, 1) * 255 in binary32, to nearest even, clamped; NaN gives 0.
+///
+/// Without the min of wide vectors, products beyond the 32-bit integers wrap to the lowest one and clamp to 0.
+pub(super) fn quantize8(x: f32, width: VectorWidth) -> u32 {
+    let bounded = match width {
+        // x86 MINPS: the second operand where they do not compare, and NaN converts to the lowest integer below.
+        VectorWidth::Bits256 if x > 1.0 => 1.0,
+        _ => x,
+    };
+    let scaled = (bounded * 255.0).round_ties_even();
+    if scaled.is_nan() || scaled >= 2_147_483_648.0 {
+        return 0;
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "an integer below 2^31, clamped right after")]
+    let code = scaled as i32;
+    code.clamp(0, 255).unsigned_abs()
+}
+
+/// A shader output or constant as a 16-bit code: the low mantissa bits of x * 65535/65536 + 128, whose last place is
+/// 2^-16; NaN gives 0.
+pub(super) fn quantize16(x: f32) -> u32 {
+    let clamped = if x > 0.0 { x.min(1.0) } else { 0.0 };
+    (clamped * (65535.0 / 65536.0) + 128.0).to_bits() & 0xffff
+}
+
+/// 8-bit unorm targets.
+pub(super) fn merge8(inputs: &ColorInputs, vector_width: VectorWidth) -> Steps {
+    let quantize = |color: [f32; 4]| color.map(|x| quantize8(x, vector_width));
+    // Constants are prepared outside the vectorised shader and always bounded.
+    let constant = inputs.constant.map(|x| quantize8(x, VectorWidth::Bits256));
+    let operands = Operands { src: quantize(inputs.src), src1: quantize(inputs.src1), constant, dst: inputs.dst };
+    merge(EIGHT, inputs, &operands, |_, code| code)
+}
+
+/// 16-bit unorm and 10-10-10-2 targets, the latter widened to 16 bits and truncated again.
+pub(super) fn merge16(inputs: &ColorInputs) -> Steps {
+    let channels = inputs.format.channels();
+    let operands = Operands {
+        src: inputs.src.map(quantize16),
+        src1: inputs.src1.map(quantize16),
+        constant: inputs.constant.map(quantize16),
+        dst: std::array::from_fn(|i| match channels[i] {
+            ChannelKind::Unorm(10) => inputs.dst[i] << 6 | inputs.dst[i] >> 4,
+            ChannelKind::Unorm(2) => inputs.dst[i] * 0x5555,
+            _ => inputs.dst[i],
+        }),
+    };
+    merge(SIXTEEN, inputs, &operands, |i, code| match channels[i] {
+        ChannelKind::Unorm(10) => code >> 6,
+        ChannelKind::Unorm(2) => ((code >> 2) * 3 + 8192) >> 14,
+        _ => code,
+    })
+}
+
+/// What the equation reads, as codes of the width.
+struct Operands {
+    src: Codes,
+    src1: Codes,
+    constant: Codes,
+    dst: Codes,
+}
+
+impl Operands {
+    fn factor(&self, width: Width, factor: BlendFactor, i: usize) -> u32 {
+        let one = width.one();
+        match factor {
+            BlendFactor::Zero => 0,
+            BlendFactor::One => one,
+            BlendFactor::Src => self.src[i],
+            BlendFactor::OneMinusSrc => one - self.src[i],
+            BlendFactor::SrcAlpha => self.src[3],
+            BlendFactor::OneMinusSrcAlpha => one - self.src[3],
+            BlendFactor::Dst => self.dst[i],
+            BlendFactor::OneMinusDst => one - self.dst[i],
+            BlendFactor::DstAlpha => self.dst[3],
+            BlendFactor::OneMinusDstAlpha => one - self.dst[3],
+            BlendFactor::SrcAlphaSaturated if i == 3 => one,
+            BlendFactor::SrcAlphaSaturated => self.src[3].min(one - self.dst[3]),
+            BlendFactor::Constant => self.constant[i],
+            BlendFactor::OneMinusConstant => one - self.constant[i],
+            BlendFactor::Src1 => self.src1[i],
+            BlendFactor::OneMinusSrc1 => one - self.src1[i],
+            BlendFactor::Src1Alpha => self.src1[3],
+            BlendFactor::OneMinusSrc1Alpha => one - self.src1[3],
+        }
+    }
+}
+
+/// The equation over codes of one width; `store` narrows a channel's result to the target's code.
+fn merge(width: Width, inputs: &ColorInputs, operands: &Operands, store: impl Fn(usize, u32) -> u32) -> Steps {
+    let count = channel_count(inputs.format);
+    let channels = inputs.format.channels();
+    let mut equation = [None; 4];
+    let mut result = operands.src;
+    if let Some(state) = inputs.blend.map(|state| rewrite(state, inputs.format)) {
+        for i in (0..4).filter(|&i| channels[i] != ChannelKind::Absent) {
+            let c = component(&state, i);
+            let (src, dst) = (operands.src[i], operands.dst[i]);
+            let src_factor = operands.factor(width, c.src_factor, i);
+            let dst_factor = operands.factor(width, c.dst_factor, i);
+            let fused = count == 1 && c.operation == BlendOperation::Add && complementary(c.src_factor, c.dst_factor);
+            let rule;
+            (result[i], rule) = if fused {
+                if is_inverted(c.src_factor) {
+                    (width.lerp(dst_factor, src, dst), "S + Fd (D - S), interpolated")
+                } else {
+                    (width.lerp(src_factor, dst, src), "D + Fs (S - D), interpolated")
+                }
+            } else {
+                let (s, d) = (width.multiply(src, src_factor), width.multiply(dst, dst_factor));
+                match c.operation {
+                    BlendOperation::Add => {
+                        (width.saturating_add(s, d), "S Fs + D Fd, each product rounded, saturating")
+                    }
+                    BlendOperation::Subtract => (s.saturating_sub(d), "S Fs - D Fd, each product rounded, saturating"),
+                    BlendOperation::ReverseSubtract => {
+                        (d.saturating_sub(s), "D Fd - S Fs, each product rounded, saturating")
+                    }
+                    BlendOperation::Min => (src.min(dst), "min(S, D)"),
+                    BlendOperation::Max => (src.max(dst), "max(S, D)"),
+                }
+            };
+            equation[i] = Some(Equation { src_factor: f64::from(src_factor), dst_factor: f64::from(dst_factor), rule });
+        }
+    }
+    Steps {
+        rule: if width.bits == 8 { "an 8-bit code" } else { "a 16-bit code" },
+        src: operands.src.map(f64::from),
+        dst: operands.dst.map(f64::from),
+        equation,
+        result: result.map(f64::from),
+        codes: std::array::from_fn(|i| if channels[i] == ChannelKind::Absent { 0 } else { store(i, result[i]) }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_is_the_identity_of_both_multiplies() {
+        for (width, step) in [(EIGHT, 1), (SIXTEEN, 7)] {
+            for a in (0..=width.one()).step_by(step) {
+                assert_eq!(width.multiply(a, width.one()), a, "{a} at {} bits", width.bits);
+                assert_eq!(width.multiply(a, 0), 0, "{a} at {} bits", width.bits);
+            }
+        }
+    }
+
+    #[test]
+    fn sources_clamp_and_nan_is_zero() {
+        let wide = |x| quantize8(x, VectorWidth::Bits256);
+        assert_eq!([f32::NAN, f32::NEG_INFINITY, -1.0, 0.0].map(wide), [0; 4], "low end");
+        assert_eq!([1.0, 2.0, 1e30, f32::INFINITY].map(wide), [255; 4], "high end");
+        assert_eq!(quantize8(f32::INFINITY, VectorWidth::Bits128), 0, "narrow vectors lack the min");
+        assert_eq!(quantize8(2.0, VectorWidth::Bits128), 255, "and clamp what fits an integer");
+        assert_eq!([f32::NAN, -1.0, 0.0, 1.0, 2.0].map(quantize16), [0, 0, 0, 65535, 65535], "16 bits");
+    }
+
+    #[test]
+    fn codes_survive_quantising() {
+        for code in 0..=255_u16 {
+            assert_eq!(quantize8(f32::from(code) / 255.0, VectorWidth::Bits256), u32::from(code), "code {code}");
+        }
+        for code in 0..=u16::MAX {
+            assert_eq!(quantize16(f32::from(code) / 65535.0), u32::from(code), "code {code}");
+        }
+    }
+}

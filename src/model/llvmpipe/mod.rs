@@ -1,0 +1,110 @@
+//! The `llvmpipe` model: Mesa's llvmpipe rasteriser (lavapipe, its Vulkan driver), bit for bit.
+//!
+//! Provenance: Mesa 22.3.6 (Debian 12's package), LLVM 15, x86-64 with AVX2, FMA and F16C, found by experiment through
+//! wgpu and checked by `outmerge conform --model llvmpipe`.
+//!
+//! The driver picks one of four arithmetics by target format and fuses load, blend and encode, so it replaces those
+//! stages as one unit:
+//!
+//! | formats | arithmetic |
+//! |---|---|
+//! | 8-bit unorm | [`integer`]: 8-bit codes, source quantised before blending |
+//! | 16-bit unorm, rgb10a2 | [`integer`]: 16-bit codes |
+//! | float | [`float`]: binary32, denormals flushed, stores truncate |
+//! | 8-bit sRGB | [`srgb`] around the float arithmetic |
+//!
+//! Channels the format lacks are handled by rewriting the state ([`state`]) before any arithmetic.
+
+mod depth;
+pub mod float;
+pub mod integer;
+mod rsqrt;
+pub mod srgb;
+mod state;
+mod steps;
+
+pub use rsqrt::{RSQRT_CPU, rsqrt};
+
+use wgpu_types::BlendState;
+
+use super::{ColorInputs, Explanation, NumericModel, Unsupported};
+use crate::format::depth::DepthKind;
+use crate::format::{ChannelKind, Codes, ColorFormat, FloatLayout, TargetClass};
+
+/// Width of the vectors the driver compiles for; it changes the clamp of 8-bit sources.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum VectorWidth {
+    /// 256 bits: a processor with AVX, the usual case.
+    #[default]
+    Bits256,
+    /// 128 bits: no AVX, or `LP_NATIVE_VECTOR_WIDTH=128`.
+    Bits128,
+}
+
+/// The llvmpipe model.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Llvmpipe {
+    /// Vector width of the driver that is modelled.
+    pub vector_width: VectorWidth,
+}
+
+impl Llvmpipe {
+    /// Every intermediate number and the codes.
+    fn run(self, inputs: &ColorInputs) -> steps::Steps {
+        let format = inputs.format;
+        match (format.class(), format.channels()[0]) {
+            (TargetClass::Unorm, ChannelKind::Srgb) => srgb::merge(inputs),
+            (TargetClass::Unorm, ChannelKind::Unorm(8)) => integer::merge8(inputs, self.vector_width),
+            (TargetClass::Unorm, _) => integer::merge16(inputs),
+            (TargetClass::Snorm | TargetClass::Float, _) => float::merge(inputs),
+        }
+    }
+}
+
+impl NumericModel for Llvmpipe {
+    fn name(&self) -> String {
+        match self.vector_width {
+            VectorWidth::Bits256 => "llvmpipe".to_owned(),
+            VectorWidth::Bits128 => "llvmpipe:128".to_owned(),
+        }
+    }
+
+    fn provenance(&self) -> &'static str {
+        "Mesa 22.3.6 llvmpipe (lavapipe), LLVM 15, x86-64 with AVX2, FMA and F16C; measured through wgpu"
+    }
+
+    fn supports(&self, format: ColorFormat, _blend: Option<&BlendState>) -> Result<(), Unsupported> {
+        if format.class() == TargetClass::Snorm {
+            return Err(Unsupported {
+                model: self.name(),
+                what: format.name().to_owned(),
+                reason: "the driver's signed normalised blending has not been established",
+            });
+        }
+        Ok(())
+    }
+
+    fn merge_color(&self, inputs: &ColorInputs) -> Codes {
+        self.run(inputs).codes
+    }
+
+    fn explain_color(&self, inputs: &ColorInputs) -> Explanation {
+        steps::explain(inputs, self.run(inputs))
+    }
+
+    /// The driver clamps fragment depth to `[0, 1]`; the viewport's range matters to it only with depth clamping on.
+    fn depth_code(&self, kind: DepthKind, z: f32, _range: [f32; 2]) -> u32 {
+        depth::depth_code(kind, z)
+    }
+
+    /// Covered texels of half and 11/10-bit float targets are decoded and encoded again even where nothing may change:
+    /// a signalling NaN comes back quiet, an 11/10-bit NaN canonical.
+    fn rewrite_untouched(&self, format: ColorFormat, codes: Codes) -> Codes {
+        let channels = format.channels();
+        std::array::from_fn(|i| match channels[i] {
+            ChannelKind::Float(layout) if layout == FloatLayout::HALF && layout.is_nan(codes[i]) => codes[i] | 0x200,
+            ChannelKind::Float(layout) if !layout.signed && layout.is_nan(codes[i]) => layout.nan(),
+            _ => codes[i],
+        })
+    }
+}
