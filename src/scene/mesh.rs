@@ -148,7 +148,7 @@ mod tests {
             }
             for ((from, to), count) in &edges {
                 assert_eq!(*count, 1, "{name}: edge {from:?} to {to:?}");
-                assert!(edges.contains_key(&(to.clone(), from.clone())), "{name}: {from:?} to {to:?} is a border");
+                assert!(edges.contains_key(&(*to, *from)), "{name}: {from:?} to {to:?} is a border");
             }
         }
     }

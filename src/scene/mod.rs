@@ -2,9 +2,11 @@
 //!
 //! - [`raster`]: triangles to covered pixels;
 //! - [`texture`]: images, patterns, sampling;
-//! - [`camera`], [`mesh`]: geometry; [`queue`]: drawing order.
+//! - [`camera`], [`mesh`]: geometry; [`queue`]: drawing order;
+//! - [`material`]: rendering modes, passes, the fragment shader.
 
 pub mod camera;
+pub mod material;
 pub mod mesh;
 mod number;
 pub mod queue;
