@@ -4,12 +4,15 @@
 //! depth and stencil, multisampling) with the values set per draw ([`DynamicState`]). The one thing WebGPU lacks
 //! is the fixed-function [`AlphaTest`] of older APIs.
 
+pub mod block;
 pub mod preset;
 pub mod shaderlab;
 pub mod spelling;
 pub mod validate;
 #[cfg(feature = "json")]
 pub mod webgpu;
+
+pub use block::StateBlock;
 
 use wgpu_types::{ColorTargetState, CompareFunction, DepthStencilState, MultisampleState};
 
