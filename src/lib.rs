@@ -19,6 +19,9 @@ pub mod model;
 #[cfg(feature = "scene")]
 pub mod scene;
 
+#[cfg(feature = "json")]
+pub mod vectors;
+
 pub use fragment::Fragment;
 pub use merger::Merger;
 pub use model::NumericModel;

@@ -1,0 +1,154 @@
+//! Replaying vectors through a numeric model.
+
+use std::collections::BTreeMap;
+use std::io::{BufRead, Write};
+
+use serde::Serialize;
+
+use super::{LineError, VectorError, VectorLine};
+use crate::format::{ChannelKind, Codes, ColorFormat};
+use crate::merger::write_mask;
+use crate::model::{ColorInputs, NumericModel};
+
+/// The first texel of a line that differs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mismatch {
+    /// Line number, from 1.
+    pub line: usize,
+    /// Index of the texel in the line.
+    pub texel: usize,
+    /// Texels of the line that differ.
+    pub texels: usize,
+    /// Texels of the line.
+    pub of: usize,
+    /// What the blender saw.
+    pub inputs: ColorInputs,
+    /// Write mask bits.
+    pub mask: u32,
+    /// The model's codes.
+    pub expected: Codes,
+    /// The line's codes.
+    pub got: Codes,
+}
+
+/// Counts by format.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Checked {
+    /// Lines read.
+    pub lines: usize,
+    /// Lines with a texel that differs.
+    pub failed_lines: usize,
+    /// Texels compared.
+    pub texels: usize,
+    /// Texels that differ.
+    pub failed_texels: usize,
+}
+
+/// The outcome of a file.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Report {
+    /// The model's name.
+    pub model: String,
+    /// Everything.
+    pub total: Checked,
+    /// By format name.
+    pub formats: BTreeMap<String, Checked>,
+}
+
+/// Replays every line and calls `failed` for each that differs.
+///
+/// # Errors
+/// [`VectorError`] at the first line that is malformed, has no `out`, or is beyond the model.
+pub fn check(
+    model: &dyn NumericModel,
+    input: impl BufRead,
+    mut failed: impl FnMut(&Mismatch),
+) -> Result<Report, VectorError> {
+    let mut report = Report { model: model.name(), ..Report::default() };
+    for_each_line(input, |number, line| {
+        let out = line.out.as_ref().ok_or(VectorError::Line { line: number, source: LineError::NoOut })?;
+        supported(model, number, &line)?;
+        let mut first = None;
+        let mut texels = 0;
+        for i in 0..line.len() {
+            let (inputs, expected) = run(model, &line, i);
+            let got = line.codes(out, i);
+            if !same_codes(line.format, expected, got) {
+                texels += 1;
+                first.get_or_insert((i, inputs, expected, got));
+            }
+        }
+        let mine =
+            Checked { lines: 1, failed_lines: usize::from(texels > 0), texels: line.len(), failed_texels: texels };
+        for counts in [&mut report.total, report.formats.entry(line.format.name().to_owned()).or_default()] {
+            counts.lines += mine.lines;
+            counts.failed_lines += mine.failed_lines;
+            counts.texels += mine.texels;
+            counts.failed_texels += mine.failed_texels;
+        }
+        if let Some((texel, inputs, expected, got)) = first {
+            let of = line.len();
+            failed(&Mismatch { line: number, texel, texels, of, inputs, mask: line.mask.bits(), expected, got });
+        }
+        Ok(())
+    })?;
+    Ok(report)
+}
+
+/// Writes every line back with `out` filled in by the model; order and count stay. Returns the number of lines.
+///
+/// # Errors
+/// [`VectorError`] at the first line that is malformed or beyond the model, or when writing fails.
+pub fn apply(model: &dyn NumericModel, input: impl BufRead, mut output: impl Write) -> Result<usize, VectorError> {
+    let mut count = 0;
+    for_each_line(input, |number, mut line| {
+        supported(model, number, &line)?;
+        let each = line.format.bytes_per_texel();
+        let mut out = vec![0; line.dst.len()];
+        for i in 0..line.len() {
+            let (_, codes) = run(model, &line, i);
+            line.format.pack(codes, &mut out[i * each..]);
+        }
+        line.out = Some(out);
+        writeln!(output, "{}", line.to_json())?;
+        count += 1;
+        Ok(())
+    })?;
+    Ok(count)
+}
+
+/// Whether two texels agree: bit for bit, but any NaN of a float channel equals any NaN.
+#[must_use]
+pub fn same_codes(format: ColorFormat, a: Codes, b: Codes) -> bool {
+    format.channels().into_iter().enumerate().all(|(i, kind)| match kind {
+        ChannelKind::Float(layout) => a[i] == b[i] || (layout.is_nan(a[i]) && layout.is_nan(b[i])),
+        _ => a[i] == b[i],
+    })
+}
+
+/// The model's result for texel `i`, write mask applied.
+fn run(model: &dyn NumericModel, line: &VectorLine, i: usize) -> (ColorInputs, Codes) {
+    let inputs = line.inputs(i);
+    (inputs, write_mask::select(line.mask, inputs.dst, model.merge_color(&inputs)))
+}
+
+fn supported(model: &dyn NumericModel, number: usize, line: &VectorLine) -> Result<(), VectorError> {
+    let supported = model.supports(line.format, line.blend.as_ref());
+    supported.map_err(|source| VectorError::Unsupported { line: number, source })
+}
+
+/// Parses line by line; blank lines are passed over.
+fn for_each_line(
+    input: impl BufRead,
+    mut each: impl FnMut(usize, VectorLine) -> Result<(), VectorError>,
+) -> Result<(), VectorError> {
+    for (i, text) in input.lines().enumerate() {
+        let text = text?;
+        if text.trim().is_empty() {
+            continue;
+        }
+        let line = VectorLine::parse(&text).map_err(|source| VectorError::Line { line: i + 1, source })?;
+        each(i + 1, line)?;
+    }
+    Ok(())
+}

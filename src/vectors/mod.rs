@@ -1,0 +1,50 @@
+//! Test vectors: blend inputs and results as JSON lines, to be replayed anywhere.
+//!
+//! Format version 1, one JSON object a line; byte strings are lower-case hex, floats in them binary32 little-endian,
+//! n texels a line:
+//!
+//! ```json
+//! {"format":"rgba8unorm",
+//!  "blend":{"color":{"src":"src-alpha","dst":"one-minus-src-alpha","op":"add"},"alpha":{"src":"one","dst":"zero","op":"add"}},
+//!  "mask":15,
+//!  "constant":"00000000000000000000000000000000",
+//!  "dual":false,
+//!  "src":"n x 4 f32", "src1":null,
+//!  "dst":"n raw texels before", "out":"n raw texels after"}
+//! ```
+//!
+//! `blend` may be `null` (blending off). Factor and operation names are WebGPU's; raw texels are in the format's memory
+//! layout. Where results are compared, any NaN of a float channel equals any NaN.
+
+mod check;
+mod generate;
+mod hex;
+mod line;
+
+pub use check::{Checked, Mismatch, Report, apply, check};
+pub use generate::{Generator, generate};
+pub use line::{LineError, VectorLine};
+
+/// A vector file that cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum VectorError {
+    /// A line is malformed.
+    #[error("line {line}: {source}")]
+    Line {
+        /// Line number, from 1.
+        line: usize,
+        /// What is wrong.
+        source: LineError,
+    },
+    /// The model does not define a line's result.
+    #[error("line {line}: {source}")]
+    Unsupported {
+        /// Line number, from 1.
+        line: usize,
+        /// Why not.
+        source: crate::model::Unsupported,
+    },
+    /// Reading or writing failed.
+    #[error("{0}")]
+    Io(#[from] std::io::Error),
+}
