@@ -8,6 +8,7 @@ pub mod block;
 pub mod preset;
 pub mod shaderlab;
 pub mod spelling;
+pub mod text;
 pub mod validate;
 #[cfg(feature = "json")]
 pub mod webgpu;
