@@ -22,6 +22,9 @@ pub mod scene;
 #[cfg(feature = "json")]
 pub mod vectors;
 
+#[cfg(feature = "cli")]
+pub mod cli;
+
 pub use fragment::Fragment;
 pub use merger::Merger;
 pub use model::NumericModel;

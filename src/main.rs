@@ -1,1 +1,5 @@
-fn main() {}
+//! The `outmerge` command; everything is in [`outmerge::cli`].
+
+fn main() -> std::process::ExitCode {
+    outmerge::cli::main()
+}

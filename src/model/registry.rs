@@ -46,5 +46,11 @@ pub fn by_name(name: &str) -> Result<Box<dyn NumericModel>, ModelNameError> {
 /// One model of each kind, `exact` first.
 #[must_use]
 pub fn all() -> Vec<Box<dyn NumericModel>> {
-    vec![Box::new(Exact::default()), Box::new(Binary32), Box::new(Binary16), Box::new(FixedPoint::default())]
+    vec![
+        Box::new(Exact::default()),
+        Box::new(Binary32),
+        Box::new(Binary16),
+        Box::new(FixedPoint::default()),
+        Box::new(Llvmpipe::default()),
+    ]
 }

@@ -86,6 +86,7 @@ pub(super) fn merge(inputs: &ColorInputs) -> Steps {
         _ => 0,
     });
     Steps {
+        steps: None,
         rule: "binary32, unclamped",
         src: operands.src.map(f64::from),
         dst: operands.dst.map(f64::from),
@@ -126,6 +127,7 @@ pub(super) fn blend(inputs: &ColorInputs, operands: &Operands) -> ([f32; 4], [Op
         let dst_factor = operands.factor(c.dst_factor, i);
         let complementary = count == 1 && complementary(c.src_factor, c.dst_factor);
         let rule;
+        let mut terms = None;
         (result[i], rule) = match c.operation {
             BlendOperation::Min => (ops::minimum(src, dst), "S < D ? S : D"),
             BlendOperation::Max => (ops::maximum(src, dst), "S > D ? S : D"),
@@ -139,10 +141,12 @@ pub(super) fn blend(inputs: &ColorInputs, operands: &Operands) -> ([f32; 4], [Op
             operation => {
                 let s = term(|c| c.src_factor, src, src_factor);
                 let d = term(|c| c.dst_factor, dst, dst_factor);
+                terms = Some((f64::from(s.unwrap_or(0.0)), f64::from(d.unwrap_or(0.0))));
                 (combine(operation, s, d), "S Fs op D Fd, each operation rounded; terms with factor 0 dropped")
             }
         };
-        equations[i] = Some(Equation { src_factor: f64::from(src_factor), dst_factor: f64::from(dst_factor), rule });
+        equations[i] =
+            Some(Equation { src_factor: f64::from(src_factor), dst_factor: f64::from(dst_factor), terms, rule });
     }
     (result, equations)
 }

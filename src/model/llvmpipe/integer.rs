@@ -148,6 +148,7 @@ fn merge(width: Width, inputs: &ColorInputs, operands: &Operands, store: impl Fn
             let dst_factor = operands.factor(width, c.dst_factor, i);
             let fused = count == 1 && c.operation == BlendOperation::Add && complementary(c.src_factor, c.dst_factor);
             let rule;
+            let mut terms = None;
             (result[i], rule) = if fused {
                 if is_inverted(c.src_factor) {
                     (width.lerp(dst_factor, src, dst), "S + Fd (D - S), interpolated")
@@ -156,6 +157,9 @@ fn merge(width: Width, inputs: &ColorInputs, operands: &Operands, store: impl Fn
                 }
             } else {
                 let (s, d) = (width.multiply(src, src_factor), width.multiply(dst, dst_factor));
+                if !matches!(c.operation, BlendOperation::Min | BlendOperation::Max) {
+                    terms = Some((f64::from(s), f64::from(d)));
+                }
                 match c.operation {
                     BlendOperation::Add => {
                         (width.saturating_add(s, d), "S Fs + D Fd, each product rounded, saturating")
@@ -168,10 +172,12 @@ fn merge(width: Width, inputs: &ColorInputs, operands: &Operands, store: impl Fn
                     BlendOperation::Max => (src.max(dst), "max(S, D)"),
                 }
             };
-            equation[i] = Some(Equation { src_factor: f64::from(src_factor), dst_factor: f64::from(dst_factor), rule });
+            equation[i] =
+                Some(Equation { src_factor: f64::from(src_factor), dst_factor: f64::from(dst_factor), terms, rule });
         }
     }
     Steps {
+        steps: Some(width.one()),
         rule: if width.bits == 8 { "an 8-bit code" } else { "a 16-bit code" },
         src: operands.src.map(f64::from),
         dst: operands.dst.map(f64::from),

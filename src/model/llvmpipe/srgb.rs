@@ -28,6 +28,7 @@ pub(super) fn merge(inputs: &ColorInputs) -> Steps {
         _ => quantize8(result[i], VectorWidth::Bits256),
     });
     Steps {
+        steps: None,
         rule: "binary32, clamped to [0, 1]",
         src: operands.src.map(f64::from),
         dst: operands.dst.map(f64::from),

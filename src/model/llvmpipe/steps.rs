@@ -8,6 +8,8 @@ use crate::model::{ColorInputs, Explanation, Number, Step};
 pub(super) struct Steps {
     /// The arithmetic, in words.
     pub rule: &'static str,
+    /// N where the numbers are codes of N steps; `None` where they are values.
+    pub steps: Option<u32>,
     /// Source as taken in.
     pub src: [f64; 4],
     /// Destination as loaded.
@@ -27,6 +29,8 @@ pub(super) struct Equation {
     pub src_factor: f64,
     /// Destination factor.
     pub dst_factor: f64,
+    /// Source and destination terms, where the driver forms them.
+    pub terms: Option<(f64, f64)>,
     /// How terms are formed and combined.
     pub rule: &'static str,
 }
@@ -35,7 +39,10 @@ pub(super) struct Equation {
 pub(super) fn explain(inputs: &ColorInputs, steps: Steps) -> Explanation {
     let channels = inputs.format.channels();
     let stored = |i: usize| channels[i] != ChannelKind::Absent;
-    let number = |x: f64| Number { decimal: x, exact: String::new() };
+    let number = |x: f64| match steps.steps {
+        Some(n) => Number { decimal: x / f64::from(n), exact: format!("{x}/{n}") },
+        None => Number { decimal: x, exact: String::new() },
+    };
     let all = |values: [f64; 4]| -> [Option<Number>; 4] {
         std::array::from_fn(|i| (stored(i) || i == 3).then(|| number(values[i])))
     };
@@ -47,7 +54,7 @@ pub(super) fn explain(inputs: &ColorInputs, steps: Steps) -> Explanation {
             std::array::from_fn(|i| steps.equation[i].as_ref().filter(|_| stored(i)).map(|e| number(pick(e))))
         };
         out.push(Step {
-            name: "destination, loaded".to_owned(),
+            name: "destination, decoded".to_owned(),
             values: std::array::from_fn(|i| stored(i).then(|| number(steps.dst[i]))),
             equation: Default::default(),
         });
@@ -61,6 +68,13 @@ pub(super) fn explain(inputs: &ColorInputs, steps: Steps) -> Explanation {
             values: part(|e| e.dst_factor),
             equation: Default::default(),
         });
+        let term = |pick: fn((f64, f64)) -> f64| -> [Option<Number>; 4] {
+            std::array::from_fn(|i| {
+                steps.equation[i].and_then(|e| e.terms).filter(|_| stored(i)).map(|t| number(pick(t)))
+            })
+        };
+        out.push(Step { name: "source term".to_owned(), values: term(|t| t.0), equation: Default::default() });
+        out.push(Step { name: "destination term".to_owned(), values: term(|t| t.1), equation: Default::default() });
         out.push(Step {
             name: "result".to_owned(),
             values: std::array::from_fn(|i| stored(i).then(|| number(steps.result[i]))),

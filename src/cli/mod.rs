@@ -1,0 +1,68 @@
+//! The command line: one thin file a subcommand.
+//!
+//! Results go to stdout, progress to stderr. Exit status: 0 = holds, 1 = a finding or mismatch, 2 = usage or input error.
+
+mod explain;
+mod list;
+mod output;
+mod vectors;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// What bytes must the GPU write here, and why?
+#[derive(Debug, Parser)]
+#[command(name = "outmerge", version, about, max_term_width = 100, arg_required_else_help = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Print every step of one blend, with the numbers substituted, in every numeric model.
+    Explain(explain::Explain),
+    /// Apply, check or generate test vectors (JSON lines).
+    #[command(subcommand)]
+    Vectors(vectors::Vectors),
+    /// List the numeric models.
+    Models(list::Models),
+    /// List the color formats.
+    Formats(list::Formats),
+    /// List the named blend states.
+    Presets(list::Presets),
+}
+
+/// What a command found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Outcome {
+    /// It holds.
+    Fine,
+    /// A finding or a mismatch.
+    Finding,
+}
+
+/// Any error a command ends with: exit status 2.
+type Failure = Box<dyn std::error::Error>;
+
+/// Runs the command line and returns its exit status.
+#[must_use]
+pub fn main() -> ExitCode {
+    let result = match Arguments::parse().command {
+        Command::Explain(command) => command.run(),
+        Command::Vectors(command) => command.run(),
+        Command::Models(command) => command.run(),
+        Command::Formats(command) => command.run(),
+        Command::Presets(command) => command.run(),
+    };
+    match result {
+        Ok(Outcome::Fine) => ExitCode::SUCCESS,
+        Ok(Outcome::Finding) => ExitCode::from(1),
+        Err(error) if output::is_closed_pipe(error.as_ref()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("outmerge: {error}");
+            ExitCode::from(2)
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! Where results go: stdout, or a file that appears whole or not at all.
+
+use std::error::Error;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+use super::Failure;
+
+/// Prints a result.
+pub(super) fn print(text: &str) -> Result<(), Failure> {
+    let mut stdout = io::stdout().lock();
+    stdout.write_all(text.as_bytes())?;
+    Ok(stdout.flush()?)
+}
+
+/// Prints a result as JSON.
+pub(super) fn print_json(value: &impl serde::Serialize) -> Result<(), Failure> {
+    print(&format!("{}\n", serde_json::to_string_pretty(value)?))
+}
+
+/// Writes a file through `write`: to a temporary name beside it, renamed when complete. `-` is stdout.
+pub(super) fn write_file<T>(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> Result<T, Failure>,
+) -> Result<T, Failure> {
+    if path == Path::new("-") {
+        let mut stdout = BufWriter::new(io::stdout().lock());
+        let value = write(&mut stdout)?;
+        stdout.flush()?;
+        return Ok(value);
+    }
+    let named = |error: io::Error| format!("cannot write {}: {error}", path.display());
+    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let temporary = tempfile::NamedTempFile::new_in(folder).map_err(named)?;
+    let mut buffered = BufWriter::new(temporary);
+    let value = write(&mut buffered)?;
+    let temporary = buffered.into_inner().map_err(|error| named(error.into_error()))?;
+    temporary.persist(path).map_err(|error| named(error.error))?;
+    Ok(value)
+}
+
+/// Opens a file for reading; `-` is stdin.
+pub(super) fn open(path: &Path) -> Result<Box<dyn io::BufRead>, Failure> {
+    if path == Path::new("-") {
+        return Ok(Box::new(io::BufReader::new(io::stdin())));
+    }
+    let file = File::open(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
+    Ok(Box::new(io::BufReader::new(file)))
+}
+
+/// Whether an error only says that nobody reads our output any more.
+pub(super) fn is_closed_pipe(error: &(dyn Error + 'static)) -> bool {
+    let kind = error.downcast_ref::<io::Error>().map(io::Error::kind);
+    kind == Some(io::ErrorKind::BrokenPipe)
+}

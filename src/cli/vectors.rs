@@ -1,0 +1,193 @@
+//! `outmerge vectors`: apply, check, generate.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+
+use super::{Failure, Outcome, output};
+use crate::format::{ColorFormat, layout::FORMATS};
+use crate::model::registry;
+use crate::state::spelling;
+use crate::vectors::{self, Mismatch};
+
+/// Subcommands of `vectors`.
+#[derive(Debug, Subcommand)]
+pub(super) enum Vectors {
+    /// Fill in `out` of every line by a model.
+    Apply(Apply),
+    /// Compare `out` of every line with a model; exit 1 on any mismatch.
+    Check(Check),
+    /// Write lines with random states and awkward inputs, filled in by a model.
+    Generate(Generate),
+}
+
+/// Arguments of `vectors apply`.
+#[derive(Debug, Args)]
+pub(super) struct Apply {
+    /// The numeric model.
+    #[arg(long, short)]
+    model: String,
+    /// Input file; `-` is stdin.
+    input: PathBuf,
+    /// Output file; `-` is stdout.
+    #[arg(long, short)]
+    output: PathBuf,
+}
+
+/// Arguments of `vectors check`.
+#[derive(Debug, Args)]
+pub(super) struct Check {
+    /// The numeric model.
+    #[arg(long, short)]
+    model: String,
+    /// Input file; `-` is stdin.
+    input: PathBuf,
+    /// Print counts by format as JSON instead of text.
+    #[arg(long, visible_alias = "json")]
+    report: bool,
+    /// Failing lines to print in full.
+    #[arg(long, default_value_t = 10)]
+    show: usize,
+}
+
+/// Arguments of `vectors generate`.
+#[derive(Debug, Args)]
+pub(super) struct Generate {
+    /// The numeric model.
+    #[arg(long, short)]
+    model: String,
+    /// Formats, comma separated; all the model covers unless given.
+    #[arg(long, value_delimiter = ',')]
+    format: Vec<String>,
+    /// Lines for each format.
+    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    lines: u32,
+    /// Texels a line.
+    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1_048_576))]
+    texels: u32,
+    /// Seed; equal seeds give equal files.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Output file; `-` is stdout.
+    #[arg(long, short)]
+    output: PathBuf,
+}
+
+impl Vectors {
+    pub(super) fn run(self) -> Result<Outcome, Failure> {
+        match self {
+            Self::Apply(command) => command.run(),
+            Self::Check(command) => command.run(),
+            Self::Generate(command) => command.run(),
+        }
+    }
+}
+
+/// An error of the file `path`.
+fn in_file(path: &std::path::Path, error: vectors::VectorError) -> Failure {
+    match error {
+        // A closed pipe must stay recognisable.
+        vectors::VectorError::Io(error) if error.kind() == std::io::ErrorKind::BrokenPipe => error.into(),
+        error => format!("{}: {error}", path.display()).into(),
+    }
+}
+
+impl Apply {
+    fn run(self) -> Result<Outcome, Failure> {
+        let model = registry::by_name(&self.model)?;
+        let input = output::open(&self.input)?;
+        output::write_file(&self.output, |file| {
+            vectors::apply(model.as_ref(), input, file).map_err(|e| in_file(&self.input, e))
+        })?;
+        Ok(Outcome::Fine)
+    }
+}
+
+impl Check {
+    fn run(self) -> Result<Outcome, Failure> {
+        let model = registry::by_name(&self.model)?;
+        let mut text = String::new();
+        let mut shown = 0;
+        let report = vectors::check(model.as_ref(), output::open(&self.input)?, |mismatch| {
+            if shown < self.show {
+                text.push_str(&describe(mismatch));
+            }
+            shown += 1;
+        })
+        .map_err(|e| in_file(&self.input, e))?;
+        if self.report {
+            output::print_json(&report)?;
+        } else {
+            if shown > self.show {
+                text.push_str(&format!("... and {} more failing lines\n", shown - self.show));
+            }
+            for (format, counts) in &report.formats {
+                text.push_str(&format!(
+                    "{format:16} {:8} texels, {} differ ({} of {} lines)\n",
+                    counts.texels, counts.failed_texels, counts.failed_lines, counts.lines
+                ));
+            }
+            let total = report.total;
+            text.push_str(&format!(
+                "{}: {} lines, {} texels, {} texels differ in {} lines\n",
+                report.model, total.lines, total.texels, total.failed_texels, total.failed_lines
+            ));
+            output::print(&text)?;
+        }
+        Ok(if report.total.failed_lines == 0 { Outcome::Fine } else { Outcome::Finding })
+    }
+}
+
+impl Generate {
+    fn run(self) -> Result<Outcome, Failure> {
+        let model = registry::by_name(&self.model)?;
+        let names: Vec<String> = if self.format.is_empty() {
+            FORMATS.iter().map(|(name, _)| (*name).to_owned()).collect()
+        } else {
+            self.format.clone()
+        };
+        let mut formats = names.iter().map(|name| ColorFormat::from_name(name)).collect::<Result<Vec<_>, _>>()?;
+        if self.format.is_empty() {
+            formats.retain(|format| model.supports(*format, None).is_ok());
+        }
+        let (lines, texels) = (self.lines as usize, self.texels as usize);
+        output::write_file(&self.output, |file| {
+            for line in vectors::generate(self.seed, &formats, lines, texels) {
+                let text = line.to_json();
+                vectors::apply(model.as_ref(), text.as_bytes(), &mut *file)?;
+            }
+            Ok(())
+        })?;
+        Ok(Outcome::Fine)
+    }
+}
+
+/// One failing line: its state, and the first texel that differs.
+fn describe(m: &Mismatch) -> String {
+    let inputs = &m.inputs;
+    let equation = |c: &wgpu_types::BlendComponent| {
+        let (src, dst) = (spelling::factor_name(c.src_factor), spelling::factor_name(c.dst_factor));
+        format!("{} {src} {dst}", spelling::operation_name(c.operation))
+    };
+    let state = match &inputs.blend {
+        None => "blending off".to_owned(),
+        Some(blend) => format!("color {}, alpha {}", equation(&blend.color), equation(&blend.alpha)),
+    };
+    let codes = |codes: [u32; 4]| codes.map(|code| format!("{code:#x}")).join(" ");
+    format!(
+        "line {}: {} {state}, mask {}: {} of {} texels differ\n  first at texel {}: src {:?}, src1 {:?}, constant {:?}, \
+         dst {}\n  expected {}, got {}\n",
+        m.line,
+        inputs.format.name(),
+        m.mask,
+        m.texels,
+        m.of,
+        m.texel,
+        inputs.src,
+        inputs.src1,
+        inputs.constant,
+        codes(inputs.dst),
+        codes(m.expected),
+        codes(m.got)
+    )
+}
