@@ -6,9 +6,25 @@
 //! - [`material`]: rendering modes, passes, the fragment shader.
 
 pub mod camera;
+pub mod description;
+pub mod display;
+pub mod draw;
+pub mod file;
+pub mod layer;
 pub mod material;
 pub mod mesh;
 mod number;
 pub mod queue;
 pub mod raster;
+pub mod render;
+pub mod shade;
+mod split;
 pub mod texture;
+
+pub use description::Scene;
+pub use display::{Picture, PictureAlpha};
+pub use draw::Draw;
+pub use file::SceneFileError;
+pub use layer::Layer;
+pub use render::{DrawReport, Rendered, SceneError};
+pub use shade::PixelFragment;

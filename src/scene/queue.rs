@@ -7,16 +7,22 @@ use std::cmp::Ordering;
 use std::fmt;
 use std::str::FromStr;
 
+use crate::state::block;
+
 /// A place in the drawing order, 0 to 5000.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct RenderQueue(u16);
 
 /// A queue that is none.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "`{0}` is not a render queue; use 0 to 5000, or Background, Geometry, AlphaTest, Transparent or Overlay, with an offset as in `Transparent+1`"
-)]
-pub struct QueueError(String);
+pub enum QueueError {
+    /// Not in range.
+    #[error("{0} is not a render queue; use 0 to 5000")]
+    Range(i64),
+    /// No such name.
+    #[error(transparent)]
+    Name(#[from] block::QueueError),
+}
 
 impl RenderQueue {
     /// Before everything else.
@@ -30,14 +36,6 @@ impl RenderQueue {
     /// After everything else.
     pub const OVERLAY: Self = Self(4000);
 
-    const NAMES: [(&str, Self); 5] = [
-        ("Background", Self::BACKGROUND),
-        ("Geometry", Self::GEOMETRY),
-        ("AlphaTest", Self::ALPHA_TEST),
-        ("Transparent", Self::TRANSPARENT),
-        ("Overlay", Self::OVERLAY),
-    ];
-
     /// Last queue that is sorted front to back.
     const LAST_OPAQUE: Self = Self(2500);
 
@@ -46,7 +44,7 @@ impl RenderQueue {
     /// # Errors
     /// [`QueueError`] outside 0 to 5000.
     pub fn new(number: i64) -> Result<Self, QueueError> {
-        u16::try_from(number).ok().filter(|&n| n <= 5000).map(Self).ok_or_else(|| QueueError(number.to_string()))
+        u16::try_from(number).ok().filter(|&n| n <= 5000).map(Self).ok_or(QueueError::Range(number))
     }
 
     /// The number.
@@ -65,26 +63,20 @@ impl RenderQueue {
 impl FromStr for RenderQueue {
     type Err = QueueError;
 
+    /// Reads a number, or a name with an offset.
     fn from_str(text: &str) -> Result<Self, QueueError> {
-        let error = || QueueError(text.to_owned());
-        let sign = text.find(['+', '-']).unwrap_or(text.len());
-        let (name, offset) = text.split_at(sign);
-        let base = Self::NAMES.iter().find(|(known, _)| known.eq_ignore_ascii_case(name.trim()));
-        let offset = match offset {
-            "" => 0,
-            offset => offset.parse::<i64>().map_err(|_| error())?,
-        };
-        match base {
-            Some((_, base)) => Self::new(i64::from(base.0).saturating_add(offset)).map_err(|_| error()),
-            None => Self::new(text.trim().parse().map_err(|_| error())?),
+        match text.trim().parse::<i64>() {
+            Ok(number) => Self::new(number),
+            Err(_) => Self::new(i64::from(block::queue_number(text)?)),
         }
     }
 }
 
 impl fmt::Display for RenderQueue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (name, base) = Self::NAMES.iter().rev().find(|(_, base)| base <= self).unwrap_or(&Self::NAMES[0]);
-        match i32::from(self.0) - i32::from(base.0) {
+        let number = i32::from(self.0);
+        let (name, base) = block::QUEUES.iter().rev().find(|(_, base)| *base <= number).unwrap_or(&block::QUEUES[0]);
+        match number - base {
             0 => write!(f, "{name}"),
             offset => write!(f, "{name}{offset:+}"),
         }
@@ -135,7 +127,7 @@ mod tests {
         for (text, number, shown) in [
             ("Geometry", 2000, "Geometry"),
             ("Transparent+1", 3001, "Transparent+1"),
-            ("transparent-100", 2900, "AlphaTest+450"),
+            ("transparent-100", 2900, "GeometryLast+400"),
             ("2450", 2450, "AlphaTest"),
             ("Geometry-1", 1999, "Background+999"),
             ("0", 0, "Background-1000"),

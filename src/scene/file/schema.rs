@@ -1,8 +1,8 @@
 //! The scene file as it is written, version 1: the same members in TOML and JSON. Every member but those without a
 //! default may be left out.
 
-use serde::de::{Deserializer, Error, Visitor};
 use serde::Deserialize;
+use serde::de::{Deserializer, Error, Visitor};
 use wgpu_types::{AddressMode, FilterMode, MipmapFilterMode};
 
 use crate::scene::description::{Display, Order, Output};

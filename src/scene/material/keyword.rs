@@ -29,22 +29,25 @@ pub struct Keywords {
 }
 
 impl Keywords {
-    /// What `pass` of `material` needs.
+    /// What `pass` of `material` needs on this many color targets.
     #[must_use]
-    pub fn new(material: &Material, pass: &Pass) -> Self {
+    pub fn new(material: &Material, pass: &Pass, targets: usize) -> Self {
         let settings = material.mode.settings();
         let flat = pass.shader == Shader::Flat;
-        let color_written = pass.state.write_mask.intersects(ColorWrites::COLOR);
-        let clip = settings.clips && !flat;
-        let alpha_read = pass.state.write_mask.contains(ColorWrites::ALPHA)
-            || pass.state.alpha_test != AlphaTest::Off
-            || pass.state.write_mask != ColorWrites::empty() && pass.state.blend.is_some_and(reads_source_alpha);
-        let premultiply = settings.premultiplies && !flat && (color_written || alpha_read);
-        let alpha = clip || premultiply || (settings.outputs_alpha || flat) && alpha_read;
-        let light = color_written && !flat && matches!(material.shading, Shading::Lit { .. });
-        let texture_alpha = alpha && !material.smoothness_in_alpha;
-        let texture = material.texture.is_some() && !flat && (color_written || texture_alpha);
-        Self { color: color_written, alpha, clip, texture, light, premultiply }
+        let masks = || pass.state.write_mask.iter().take(targets);
+        let color = masks().any(|mask| mask.intersects(ColorWrites::COLOR));
+        let alpha_read = pass.state.alpha_test != AlphaTest::Off
+            || masks().any(|mask| mask.contains(ColorWrites::ALPHA))
+            || masks()
+                .zip(pass.state.blend)
+                .any(|(mask, blend)| !mask.is_empty() && blend.is_some_and(reads_source_alpha));
+        let clip = settings.clips;
+        let premultiply = settings.premultiplies && (color || alpha_read);
+        let alpha = clip || premultiply || settings.outputs_alpha && alpha_read;
+        let light = color && !flat && matches!(material.shading, Shading::Lit { .. });
+        let texture_read = color && !flat || alpha && !material.smoothness_in_alpha;
+        let texture = material.texture.is_some() && texture_read;
+        Self { color, alpha, clip, texture, light, premultiply }
     }
 
     /// The keywords that are on, by name.

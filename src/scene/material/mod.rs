@@ -16,7 +16,7 @@ mod tests;
 pub use keyword::{Keywords, Work};
 pub use light::{Light, Lighting};
 pub use mode::{MODES, ModeSettings, RenderingMode};
-pub use pass::{Pass, PassState, Shader};
+pub use pass::{Pass, Shader};
 pub use surface::{SurfaceInput, SurfaceOutput};
 
 use super::queue::RenderQueue;

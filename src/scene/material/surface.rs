@@ -71,7 +71,8 @@ impl SurfaceShader<'_> {
         if !keywords.color {
             return SurfaceOutput { color: [0.0, 0.0, 0.0, self.alpha_output(alpha)], discarded: false };
         }
-        let albedo = Vec4::from(material.tint).truncate() * texel.truncate();
+        let tint = Vec4::from(material.tint).truncate();
+        let albedo = if self.shader == Shader::Flat { tint } else { tint * texel.truncate() };
         let color = match material.shading {
             Shading::Lit { metallic, smoothness } if keywords.light => {
                 let smoothness = if material.smoothness_in_alpha { smoothness * texel.w } else { smoothness };
@@ -93,9 +94,8 @@ impl SurfaceShader<'_> {
     /// What the merger sees as alpha: 1 where the mode has none, with reflectivity where it premultiplies.
     fn alpha_output(&self, alpha: f32) -> f32 {
         match self.material.shading {
-            _ if self.shader == Shader::Flat => alpha,
             _ if !self.material.mode.settings().outputs_alpha => 1.0,
-            Shading::Lit { metallic, .. } if self.keywords.premultiply => {
+            Shading::Lit { metallic, .. } if self.keywords.premultiply && self.shader != Shader::Flat => {
                 // 1 - R + aR, written so that a = 1 gives exactly 1.
                 1.0 - light::one_minus_reflectivity(metallic) * (1.0 - alpha)
             }
@@ -106,7 +106,8 @@ impl SurfaceShader<'_> {
     /// What the diffuse color is multiplied by: alpha where the mode premultiplies; the tint's part of it where the
     /// texture already holds its own.
     fn premultiplier(&self, alpha: f32) -> f32 {
-        match (self.keywords.premultiply, self.material.premultiplied_texture) {
+        let holds_own = self.material.premultiplied_texture && self.shader != Shader::Flat;
+        match (self.keywords.premultiply, holds_own) {
             (false, _) => 1.0,
             (true, false) => alpha,
             (true, true) => self.material.tint[3],

@@ -29,7 +29,7 @@ fn shade_pass(material: &Material, pass: &Pass, texel: [f32; 4], work: &mut Work
     let shader = SurfaceShader {
         material,
         texture: material.texture.map(|_| &texture),
-        keywords: Keywords::new(material, pass),
+        keywords: Keywords::new(material, pass, 1),
         shader: pass.shader,
         lighting: &lighting,
         light: 1,
@@ -80,8 +80,8 @@ fn a_masked_opaque_pass_evaluates_nothing() {
     let material =
         Material { shading: Shading::Lit { metallic: 0.0, smoothness: 0.5 }, ..textured(RenderingMode::Opaque) };
     let mut pass = Pass::base(RenderingMode::Opaque);
-    pass.state.write_mask = ColorWrites::empty();
-    assert_eq!(Keywords::new(&material, &pass), Keywords::default(), "a depth prepass needs no shader");
+    pass.state.write_mask[0] = ColorWrites::empty();
+    assert_eq!(Keywords::new(&material, &pass, 1), Keywords::default(), "a depth prepass needs no shader");
     let mut work = Work::default();
     let _ = shade_pass(&material, &pass, [1.0; 4], &mut work);
     assert_eq!(work, Work { fragments: 1, ..Work::default() }, "and runs none");
@@ -91,7 +91,7 @@ fn a_masked_opaque_pass_evaluates_nothing() {
 fn a_masked_cutout_pass_still_clips() {
     let material = textured(RenderingMode::Cutout);
     let mut pass = Pass::base(RenderingMode::Cutout);
-    pass.state.write_mask = ColorWrites::empty();
+    pass.state.write_mask[0] = ColorWrites::empty();
     let output = shade_pass(&material, &pass, [1.0, 1.0, 1.0, 0.1], &mut Work::default());
     assert!(output.discarded, "holes must stay holes in the depth buffer");
 }
@@ -137,7 +137,7 @@ fn each_light_pass_adds_its_own_light_without_ambient() {
         assert_eq!(added.color[1..3], [0.0, 0.0], "{:?}: no green or blue, so no ambient", settings.mode);
         let state = &passes[1].state;
         assert!(!state.depth_write, "{:?}: light passes leave depth alone", settings.mode);
-        let blend = state.blend.expect("light passes blend");
+        let blend = state.blend[0].expect("light passes blend");
         assert_eq!(blend.color.src_factor, settings.src_blend, "{:?}: Blend [_SrcBlend] One", settings.mode);
     }
 }
@@ -181,14 +181,14 @@ proptest! {
         let material = Material { tint, smoothness_in_alpha, shading, ..textured(mode) };
         let mut pass = Pass::base(mode);
         let full = shade_pass(&material, &pass, texel, &mut Work::default());
-        pass.state.write_mask = ColorWrites::from_bits_truncate(mask);
+        pass.state.write_mask[0] = ColorWrites::from_bits_truncate(mask);
         let lean = shade_pass(&material, &pass, texel, &mut Work::default());
         prop_assert_eq!(full.discarded, lean.discarded);
-        let keywords = Keywords::new(&material, &pass);
+        let keywords = Keywords::new(&material, &pass, 1);
         if keywords.color {
             prop_assert_eq!(&full.color[..3], &lean.color[..3]);
         }
-        let blends_alpha = pass.state.blend.is_some() && mask != 0;
+        let blends_alpha = pass.state.blend[0].is_some() && mask != 0;
         if mask & 8 != 0 || blends_alpha {
             prop_assert_eq!(full.color[3], lean.color[3]);
         }

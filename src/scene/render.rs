@@ -1,0 +1,173 @@
+//! A scene through the reference merger, in one or several numeric models at once.
+
+use std::time::{Duration, Instant};
+
+use super::description::Scene;
+use super::draw::Draw;
+use super::material::Work;
+use crate::format::{Codes, ColorFormat};
+use crate::merger::{Merger, MergerError};
+use crate::model::exact::Exact;
+use crate::model::{ColorInputs, NumericModel};
+use crate::state::block::StateBlock;
+use crate::target::{Framebuffer, TargetError};
+
+/// A scene that cannot be rendered.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// The targets cannot be made.
+    #[error("the scene's targets: {0}")]
+    Target(#[from] TargetError),
+    /// The model or the state do not fit.
+    #[error("draw {index} ({draw}): {source}")]
+    Merger {
+        /// Index of the draw.
+        index: usize,
+        /// Its object and pass.
+        draw: String,
+        /// Why.
+        source: MergerError,
+    },
+    /// Too many fragments to keep.
+    #[error("the scene makes more than {limit} fragments, too many to keep at once; draw it smaller")]
+    TooManyFragments {
+        /// The limit.
+        limit: usize,
+    },
+}
+
+/// What one draw was and made.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "json", derive(serde::Serialize))]
+pub struct DrawReport {
+    /// Name of the object.
+    pub object: String,
+    /// Name of the pass.
+    pub pass: String,
+    /// Render queue.
+    pub queue: u16,
+    /// Sort key within the queue.
+    pub distance: f64,
+    /// The parts of the shader it needed.
+    pub keywords: Vec<&'static str>,
+    /// What shading took.
+    pub work: Work,
+}
+
+/// A rendered scene.
+#[derive(Clone, Debug)]
+pub struct Rendered {
+    /// Name of the numeric model.
+    pub model: String,
+    /// The targets after the last draw.
+    pub framebuffer: Framebuffer,
+    /// The draws, in order.
+    pub draws: Vec<DrawReport>,
+    /// Fragments merged, discarded ones included.
+    pub fragments: u64,
+    /// Time spent merging; rasterising and shading are not in it.
+    pub merge_time: Duration,
+}
+
+impl Scene {
+    /// The scene's targets, cleared. Clear values are stored with one correct rounding, whatever the model.
+    ///
+    /// # Errors
+    /// [`TargetError`].
+    pub fn cleared(&self) -> Result<Framebuffer, TargetError> {
+        let formats: Vec<_> = self.target.colors.iter().map(|color| color.format.texture_format()).collect();
+        let depth = self.target.depth.map(|depth| depth.format);
+        let state = StateBlock::default().to_merger_state(&formats, depth);
+        let mut framebuffer = Framebuffer::for_state(self.target.extent, &state)?;
+        let exact = Exact::default();
+        for (target, spec) in framebuffer.colors.iter_mut().zip(&self.target.colors) {
+            if let Some(target) = target {
+                target.fill(clear_codes(spec.format, spec.clear));
+            }
+        }
+        if let (Some(target), Some(spec)) = (&mut framebuffer.depth_stencil, self.target.depth) {
+            if let Some(kind) = target.format().depth() {
+                target.depth_mut().fill(exact.depth_code(kind, spec.clear, [0.0, 1.0]));
+            }
+            target.stencil_mut().fill(spec.clear_stencil);
+        }
+        Ok(framebuffer)
+    }
+
+    /// Renders the scene in one model.
+    ///
+    /// # Errors
+    /// [`SceneError`].
+    pub fn render(&self, model: &dyn NumericModel) -> Result<Rendered, SceneError> {
+        Ok(self.render_models(&[model])?.swap_remove(0))
+    }
+
+    /// Renders the scene in several models; fragments are made once.
+    ///
+    /// # Errors
+    /// [`SceneError`].
+    pub fn render_models(&self, models: &[&dyn NumericModel]) -> Result<Vec<Rendered>, SceneError> {
+        let cleared = self.cleared()?;
+        let start = |model: &&dyn NumericModel| Rendered {
+            model: model.name(),
+            framebuffer: cleared.clone(),
+            draws: Vec::new(),
+            fragments: 0,
+            merge_time: Duration::ZERO,
+        };
+        let mut rendered: Vec<Rendered> = models.iter().map(start).collect();
+        for (index, draw) in self.draws().iter().enumerate() {
+            let mergers: Vec<Merger<'_>> = models
+                .iter()
+                .map(|model| Merger::new(&draw.state, *model, &cleared))
+                .collect::<Result<_, _>>()
+                .map_err(|source| SceneError::Merger { index, draw: draw.label(), source })?;
+            let work = self.shade(draw, None, |fragments| {
+                for (merger, rendered) in mergers.iter().zip(&mut rendered) {
+                    let started = Instant::now();
+                    for pixel in fragments {
+                        merger.merge(&pixel.fragment, pixel.x, pixel.y, &mut rendered.framebuffer);
+                    }
+                    rendered.merge_time += started.elapsed();
+                }
+            });
+            for rendered in &mut rendered {
+                rendered.draws.push(draw.report(work));
+                rendered.fragments += work.fragments;
+            }
+        }
+        Ok(rendered)
+    }
+}
+
+/// The codes of a clear value, correctly rounded.
+fn clear_codes(format: ColorFormat, clear: [f32; 4]) -> Codes {
+    let zeros = [0.0; 4];
+    Exact::default().merge_color(&ColorInputs {
+        format,
+        blend: None,
+        constant: zeros,
+        src: clear,
+        src1: zeros,
+        dst: [0; 4],
+    })
+}
+
+impl Draw {
+    /// Object and pass, for messages.
+    #[must_use]
+    pub fn label(&self) -> String {
+        format!("{}, {}", self.object, self.pass)
+    }
+
+    fn report(&self, work: Work) -> DrawReport {
+        DrawReport {
+            object: self.object.clone(),
+            pass: self.pass.clone(),
+            queue: self.key.queue.number(),
+            distance: self.key.distance,
+            keywords: self.keywords.names().collect(),
+            work,
+        }
+    }
+}
