@@ -5,6 +5,7 @@
 //! - [`camera`], [`mesh`]: geometry; [`queue`]: drawing order;
 //! - [`material`]: rendering modes, passes, the fragment shader.
 
+pub mod bundled;
 pub mod camera;
 pub mod description;
 pub mod display;
@@ -28,3 +29,6 @@ pub use file::SceneFileError;
 pub use layer::Layer;
 pub use render::{DrawReport, Rendered, SceneError};
 pub use shade::PixelFragment;
+
+#[cfg(test)]
+mod tests;

@@ -3,18 +3,21 @@
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
-use wgpu_types::{AddressMode, FilterMode};
+use wgpu_types::{AddressMode, BlendFactor, FilterMode};
 
 use super::build::{built_in_meshes, point};
 use super::check::{at_most, distinct, finite, named, within};
 use super::error::{Fault, FieldPath};
 use super::schema::{FileMaterial, FileMesh, FilePass, FileQueue, FileTexture};
-use crate::scene::material::{Material, Pass, RenderingMode, Shading};
+use crate::scene::material::{Material, Pass, Shader, Shading};
 use crate::scene::mesh::{MAX_VERTICES, Mesh, MeshVertex};
 use crate::scene::queue::RenderQueue;
 use crate::scene::texture::pattern::PatternImage;
 use crate::scene::texture::{MAX_TEXTURE_SIZE, Sampler, Storage, Texture, png};
+use crate::state::shaderlab::{self, Properties, PropertyValue};
 
+/// Cutoff of materials that give none.
+const DEFAULT_CUTOFF: f32 = 0.5;
 /// Passes a material may have.
 const MAX_PASSES: usize = 16;
 
@@ -158,6 +161,7 @@ fn material(file: &FileMaterial, textures: &[FileTexture], field: &FieldPath) ->
     at_most(&field.key("pass"), file.pass.len(), MAX_PASSES)?;
     let passes = file.pass.iter().enumerate().map(|(i, pass)| self::pass(pass, i, file, &field.key("pass").index(i)));
     let passes: Vec<_> = passes.collect::<Result<_, _>>()?;
+    let tagged_queue = tag(&passes, "Queue").map(|name| FileQueue::Name(name.to_owned()));
     Ok(Material {
         name: file.name.clone(),
         mode: file.mode,
@@ -165,10 +169,10 @@ fn material(file: &FileMaterial, textures: &[FileTexture], field: &FieldPath) ->
         texture,
         premultiplied_texture: texture.is_some_and(|i| premultiplied(&textures[i])),
         smoothness_in_alpha: file.smoothness_in_alpha,
-        cutoff: finite(&field.key("cutoff"), [file.cutoff.unwrap_or(0.5)])?[0],
+        cutoff: finite(&field.key("cutoff"), [file.cutoff.unwrap_or(DEFAULT_CUTOFF)])?[0],
         shading,
-        queue: queue(file.queue.as_ref(), &field.key("queue"))?,
-        render_type: file.render_type.clone(),
+        queue: queue(file.queue.as_ref().or(tagged_queue.as_ref()), &field.key("queue"))?,
+        render_type: file.render_type.clone().or(tag(&passes, "RenderType").map(str::to_owned)),
         passes: (!passes.is_empty()).then_some(passes),
     })
 }
@@ -183,12 +187,50 @@ fn queue(file: Option<&FileQueue>, field: &FieldPath) -> Result<Option<RenderQue
     queue.map(Some).map_err(|error| Fault::new(field, error))
 }
 
-/// A pass with its state text, or the mode's state without one.
+/// A pass with the state of its text, or the mode's without one.
 fn pass(file: &FilePass, index: usize, material: &FileMaterial, field: &FieldPath) -> Result<Pass, Fault> {
     let preset = match file.shader {
-        crate::scene::material::Shader::Light => Pass::additive(material.mode),
-        _ => Pass::base(material.mode),
+        Shader::Light => Pass::additive(material.mode),
+        Shader::Base | Shader::Flat => Pass::base(material.mode),
     };
-    let name = file.name.clone().unwrap_or_else(|| format!("pass {index}"));
-    Ok(Pass { name, shader: file.shader, ..preset })
+    let mut name = file.name.clone();
+    let state = match &file.state {
+        None => preset.state,
+        Some(text) => {
+            let field = field.key("state");
+            let mut passes =
+                shaderlab::parse(text, &properties(material)).map_err(|error| Fault::new(&field, error))?;
+            let (Some(pass), true) = (passes.pop(), passes.is_empty()) else {
+                return Err(Fault::new(&field, "holds several passes; write a `[[material.pass]]` for each"));
+            };
+            name = name.or(pass.name);
+            pass.state
+        }
+    };
+    Ok(Pass {
+        name: name.unwrap_or_else(|| format!("pass {index}")),
+        shader: file.shader,
+        state,
+        blend_constant: finite(&field.key("blend-constant"), file.blend_constant.unwrap_or_default())?,
+    })
+}
+
+/// What `[_Property]` references in state texts stand for: the mode's factors and depth write, and the cutoff.
+fn properties(material: &FileMaterial) -> Properties {
+    let settings = material.mode.settings();
+    let name = |factor: BlendFactor| PropertyValue::Name(format!("{factor:?}"));
+    let cutoff = f64::from(material.cutoff.unwrap_or(DEFAULT_CUTOFF));
+    [
+        ("_SrcBlend", name(settings.src_blend)),
+        ("_DstBlend", name(settings.dst_blend)),
+        ("_ZWrite", PropertyValue::Number(if settings.depth_write { 1.0 } else { 0.0 })),
+        ("_Cutoff", PropertyValue::Number(cutoff)),
+    ]
+    .map(|(name, value)| (name.to_owned(), value))
+    .into()
+}
+
+/// A tag of the passes; the first that has it counts.
+fn tag<'a>(passes: &'a [Pass], name: &str) -> Option<&'a str> {
+    passes.iter().find_map(|pass| pass.state.tag(name))
 }

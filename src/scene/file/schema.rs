@@ -166,9 +166,10 @@ pub(super) struct FilePass {
     pub(super) name: Option<String>,
     #[serde(default)]
     pub(super) shader: Shader,
-    /// ShaderLab state commands; what they leave out is as the mode has it.
-    #[serde(default)]
-    pub(super) state: String,
+    /// ShaderLab state commands, with ShaderLab's defaults; without them the mode's state.
+    pub(super) state: Option<String>,
+    /// RGBA; all zero as WebGPU has it.
+    pub(super) blend_constant: Option<[f32; 4]>,
 }
 
 /// `[[object]]`.

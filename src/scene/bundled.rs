@@ -1,0 +1,38 @@
+//! The scenes that come with the crate: one or more for every technique, as text files.
+
+use std::path::Path;
+
+use super::description::Scene;
+use super::file::{SceneFileError, Syntax};
+
+macro_rules! scenes {
+    ($($name:literal),+ $(,)?) => {
+        /// Name and text of every bundled scene, in the order they are shown.
+        pub const SCENES: &[(&str, &str)] = &[$(($name, include_str!(concat!("bundled/", $name, ".toml")))),+];
+    };
+}
+
+scenes! {
+    "cutout-quad",
+    "fade-over-opaque",
+    "overlap-zwrite-on",
+    "overlap-zwrite-off",
+}
+
+impl Scene {
+    /// The bundled scenes, read one by one.
+    #[must_use]
+    pub fn bundled() -> impl ExactSizeIterator<Item = (&'static str, Result<Self, SceneFileError>)> {
+        SCENES.iter().map(|(name, text)| (*name, Self::parse_bundled(name, text)))
+    }
+
+    /// The bundled scene of this name; `None` if there is none.
+    #[must_use]
+    pub fn bundled_by_name(name: &str) -> Option<Result<Self, SceneFileError>> {
+        SCENES.iter().find(|(known, _)| *known == name).map(|(name, text)| Self::parse_bundled(name, text))
+    }
+
+    fn parse_bundled(name: &str, text: &str) -> Result<Self, SceneFileError> {
+        Self::parse(text, Syntax::Toml, Path::new(&format!("{name}.toml")))
+    }
+}

@@ -1,0 +1,133 @@
+use wgpu_types::BlendFactor;
+
+use super::*;
+use crate::model::exact::Exact;
+use crate::model::registry;
+
+fn bundled(name: &str) -> Scene {
+    Scene::bundled_by_name(name).expect("a bundled scene").expect("bundled scenes are correct")
+}
+
+/// Codes of one texel of color target 0 in the exact model.
+fn texel(rendered: &Rendered, x: u32, y: u32) -> [u32; 4] {
+    rendered.framebuffer.colors[0].as_ref().expect("scenes have a color target").codes(x, y, 0)
+}
+
+fn exact(scene: &Scene) -> Rendered {
+    scene.render(&Exact::default()).expect("bundled scenes render")
+}
+
+#[test]
+fn every_bundled_scene_renders_and_explains_itself() {
+    for (name, scene) in Scene::bundled() {
+        let scene = scene.unwrap_or_else(|error| panic!("{error}"));
+        assert!(!scene.title.is_empty() && !scene.technique.is_empty(), "{name} has a title and a technique");
+        let sentences = scene.explanation.matches(['.', '?']).count();
+        assert!(scene.explanation.len() > 60 && sentences >= 1, "{name} is explained: {}", scene.explanation);
+        let rendered = exact(&scene);
+        let target = rendered.framebuffer.colors[0].as_ref().expect("scenes have a color target");
+        assert!(rendered.fragments > 1000, "{name} covers something: {} fragments", rendered.fragments);
+        let first = target.codes(0, 0, 0);
+        let extent = target.extent();
+        let differs = (0..extent.height).any(|y| (0..extent.width).any(|x| target.codes(x, y, 0) != first));
+        assert!(differs, "{name} is not a single color");
+    }
+}
+
+#[test]
+fn every_bundled_scene_renders_in_every_model_with_the_same_fragments() {
+    let models = registry::all();
+    let models: Vec<_> = models.iter().map(AsRef::as_ref).collect();
+    for (name, scene) in Scene::bundled() {
+        let scene = scene.expect("bundled scenes are correct");
+        let rendered = scene.render_models(&models).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_eq!(rendered.len(), models.len(), "{name}: one result a model");
+        assert!(rendered.iter().all(|r| r.fragments == rendered[0].fragments), "{name}: the same fragments");
+    }
+}
+
+#[test]
+fn layers_merge_to_the_same_bytes_and_hold_each_texel_once() {
+    let model = Exact::default();
+    for (name, scene) in Scene::bundled() {
+        let scene = scene.expect("bundled scenes are correct");
+        let draws = scene.draws();
+        let mut framebuffer = scene.cleared().expect("bundled scenes fit");
+        for layer in scene.layers(&draws).expect("bundled scenes are small") {
+            let merger =
+                crate::merger::Merger::new(&draws[layer.draw].state, &model, &framebuffer.clone()).expect("fits");
+            let mut seen = std::collections::BTreeSet::new();
+            for pixel in &layer.fragments {
+                assert!(seen.insert((pixel.x, pixel.y)), "{name}: texel ({}, {}) twice in a layer", pixel.x, pixel.y);
+                merger.merge(&pixel.fragment, pixel.x, pixel.y, &mut framebuffer);
+            }
+        }
+        assert_eq!(framebuffer, exact(&scene).framebuffer, "{name}: layers against whole draws");
+    }
+}
+
+#[test]
+fn one_pixels_fragments_are_those_of_the_layers() {
+    let scene = bundled("overlap-zwrite-off");
+    let draws = scene.draws();
+    let found = scene.fragments_at(&draws, 64, 64);
+    assert_eq!(found.iter().map(|(draw, _)| *draw).collect::<Vec<_>>(), [0, 1], "both quads cover the middle");
+    for layer in scene.layers(&draws).expect("a small scene") {
+        let pixel = layer.fragments.iter().find(|pixel| (pixel.x, pixel.y) == (64, 64)).expect("covered");
+        assert!(found.contains(&(layer.draw, pixel.fragment)), "draw {}", layer.draw);
+    }
+}
+
+#[test]
+fn cutout_leaves_discarded_texels_cleared_in_color_and_depth() {
+    let scene = bundled("cutout-quad");
+    let (cleared, rendered) = (scene.cleared().expect("fits"), exact(&scene));
+    let draws = scene.draws();
+    let mut discarded = 0;
+    scene.shade(&draws[0], None, |fragments| {
+        for pixel in fragments.iter().filter(|pixel| pixel.fragment.discarded) {
+            discarded += 1;
+            let at = scene.target.extent.index(pixel.x, pixel.y, 0);
+            let depth = |f: &crate::target::Framebuffer| f.depth_stencil.as_ref().expect("has depth").depth()[at];
+            assert_eq!(depth(&rendered.framebuffer), depth(&cleared), "depth at ({}, {})", pixel.x, pixel.y);
+            let color =
+                |f: &crate::target::Framebuffer| f.colors[0].as_ref().expect("has color").codes(pixel.x, pixel.y, 0);
+            assert_eq!(color(&rendered.framebuffer), color(&cleared), "color at ({}, {})", pixel.x, pixel.y);
+        }
+    });
+    assert!(discarded > 1000, "the leaf leaves much of its quad out: {discarded}");
+}
+
+#[test]
+fn fade_over_opaque_is_the_weighted_sum() {
+    let scene = bundled("fade-over-opaque");
+    let rendered = exact(&scene);
+    assert_eq!(rendered.draws[0].object, "tiles", "opaque first, though the file lists it last");
+    let draws = scene.draws();
+    assert_eq!(
+        draws[1].state.targets[0].as_ref().and_then(|t| t.blend).map(|b| b.color.src_factor),
+        Some(BlendFactor::SrcAlpha)
+    );
+    for x in 20..108 {
+        let fragments = scene.fragments_at(&draws, x, 64);
+        let [(_, behind), (_, front)] = fragments.as_slice() else { panic!("two layers at column {x}") };
+        let [s, d] = [front.outputs[0], behind.outputs[0]].map(|color| color.map(f64::from));
+        for i in 0..3 {
+            let stored = (d[i] * 255.0).round() / 255.0;
+            let expected = s[i] * s[3] + stored * (1.0 - s[3]);
+            let got = f64::from(texel(&rendered, x, 64)[i]);
+            assert!((got - expected * 255.0).abs() <= 0.501, "column {x}, channel {i}: {got} for {}", expected * 255.0);
+        }
+    }
+}
+
+#[test]
+fn depth_write_on_a_blended_draw_cuts_a_hole_into_what_lies_behind() {
+    let (on, off) = (exact(&bundled("overlap-zwrite-on")), exact(&bundled("overlap-zwrite-off")));
+    let only_red = texel(&on, 30, 40);
+    assert_eq!(texel(&on, 64, 64), only_red, "ZWrite On: the overlap shows the near quad alone");
+    assert_ne!(texel(&off, 64, 64), only_red, "ZWrite Off: the far quad is blended in");
+    for (x, y) in [(30, 40), (100, 100), (2, 2)] {
+        assert_eq!(texel(&on, x, y), texel(&off, x, y), "outside the overlap nothing changes at ({x}, {y})");
+    }
+}
