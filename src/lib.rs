@@ -22,6 +22,9 @@ pub mod scene;
 #[cfg(feature = "json")]
 pub mod vectors;
 
+#[cfg(feature = "report")]
+pub mod report;
+
 #[cfg(feature = "cli")]
 pub mod cli;
 

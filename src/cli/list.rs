@@ -1,4 +1,4 @@
-//! `outmerge models`, `formats` and `presets`: what there is.
+//! `outmerge models`, `formats`, `scenes` and `presets`: what there is.
 
 use clap::Args;
 use serde::Serialize;
@@ -6,6 +6,7 @@ use serde::Serialize;
 use super::{Failure, Outcome, output};
 use crate::format::{ColorFormat, layout::FORMATS};
 use crate::model::registry;
+use crate::scene::Scene;
 use crate::state::{preset::PRESETS, spelling};
 
 /// Arguments of `models`.
@@ -19,6 +20,14 @@ pub(super) struct Models {
 /// Arguments of `formats`.
 #[derive(Debug, Args)]
 pub(super) struct Formats {
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Arguments of `scenes`.
+#[derive(Debug, Args)]
+pub(super) struct Scenes {
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -70,6 +79,17 @@ impl Formats {
                 format.channels().iter().filter(|c| c.bits() > 0).map(|c| c.bits().to_string()).collect();
             let about = format!("{} bytes a texel, {} bits", format.bytes_per_texel(), bits.join("+"));
             rows.push(Row { name: name.to_owned(), about });
+        }
+        show(rows, self.json)
+    }
+}
+
+impl Scenes {
+    pub(super) fn run(self) -> Result<Outcome, Failure> {
+        let mut rows = Vec::new();
+        for (name, scene) in Scene::bundled() {
+            let scene = scene?;
+            rows.push(Row { name: name.to_owned(), about: format!("{} ({})", scene.title, scene.technique) });
         }
         show(rows, self.json)
     }

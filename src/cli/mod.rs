@@ -5,6 +5,8 @@
 mod explain;
 mod list;
 mod output;
+mod render;
+mod report;
 mod vectors;
 
 use std::process::ExitCode;
@@ -21,6 +23,10 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Render every bundled scene in every model: a table, and one HTML page. The main job.
+    Report(report::Report),
+    /// Render a scene to a PNG in one model.
+    Render(render::Render),
     /// Print every step of one blend, with the numbers substituted, in every numeric model.
     Explain(explain::Explain),
     /// Apply, check or generate test vectors (JSON lines).
@@ -30,6 +36,8 @@ enum Command {
     Models(list::Models),
     /// List the color formats.
     Formats(list::Formats),
+    /// List the bundled scenes.
+    Scenes(list::Scenes),
     /// List the named blend states.
     Presets(list::Presets),
 }
@@ -50,10 +58,13 @@ type Failure = Box<dyn std::error::Error>;
 #[must_use]
 pub fn main() -> ExitCode {
     let result = match Arguments::parse().command {
+        Command::Report(command) => command.run(),
+        Command::Render(command) => command.run(),
         Command::Explain(command) => command.run(),
         Command::Vectors(command) => command.run(),
         Command::Models(command) => command.run(),
         Command::Formats(command) => command.run(),
+        Command::Scenes(command) => command.run(),
         Command::Presets(command) => command.run(),
     };
     match result {

@@ -32,12 +32,22 @@ pub(super) fn write_file<T>(
     }
     let named = |error: io::Error| format!("cannot write {}: {error}", path.display());
     let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let temporary = tempfile::NamedTempFile::new_in(folder).map_err(named)?;
+    let temporary = temporary_file(folder).map_err(named)?;
     let mut buffered = BufWriter::new(temporary);
     let value = write(&mut buffered)?;
     let temporary = buffered.into_inner().map_err(|error| named(error.into_error()))?;
     temporary.persist(path).map_err(|error| named(error.error))?;
     Ok(value)
+}
+
+/// A temporary file with the permissions an ordinary new file has.
+fn temporary_file(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    let permissions = std::os::unix::fs::PermissionsExt::from_mode(0o666);
+    #[cfg(unix)]
+    builder.permissions(permissions);
+    builder.tempfile_in(folder)
 }
 
 /// Opens a file for reading; `-` is stdin.
