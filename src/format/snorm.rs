@@ -30,7 +30,8 @@ pub fn stored_code(signed: i32, bits: u32) -> u32 {
 /// The bit pattern that stores `x`: clamped to `[-1, 1]`, NaN as 0, scaled by N exactly and rounded once, to nearest
 /// or toward zero in magnitude.
 ///
-/// `bits` is 2 to 32.
+/// # Panics
+/// When `bits` is not 2 to 32.
 #[must_use]
 pub fn encode(x: f64, bits: u32, rounding: Rounding) -> u32 {
     if x.is_nan() {

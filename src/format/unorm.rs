@@ -14,7 +14,8 @@ pub const fn steps(bits: u32) -> u32 {
 
 /// The code that stores `x`: clamped to `[0, 1]`, NaN as 0, scaled by N exactly and rounded once.
 ///
-/// `bits` is 1 to 32.
+/// # Panics
+/// When `bits` is not 1 to 32.
 #[must_use]
 pub fn encode(x: f64, bits: u32, rounding: Rounding) -> u32 {
     if x.is_nan() || x <= 0.0 {

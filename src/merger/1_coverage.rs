@@ -29,8 +29,10 @@ pub fn covered_samples(
         return 0;
     }
     let existing = u32::MAX >> (32 - multisample.count.clamp(1, 32));
-    let mask = u32::try_from(multisample.mask & u64::from(u32::MAX)).expect("masked to 32 bits");
-    fragment.coverage & mask & existing
+    let covered = u64::from(fragment.coverage & existing) & multisample.mask;
+    #[expect(clippy::cast_possible_truncation, reason = "a subset of 32 coverage bits")]
+    let covered = covered as u32;
+    covered
 }
 
 #[cfg(test)]

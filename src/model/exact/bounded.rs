@@ -7,7 +7,7 @@
 //! unit in the last place bounds their error. The rounding error of one addition or multiplication is itself an `f64`
 //! (Knuth's two-sum, and a fused multiply-add), and is added to what the operands' errors contribute:
 //! |xy - near(xy)| <= |x| e_y + |y| e_x + e_x e_y + r. That sum of non-negative terms is computed in `f64` with a
-//! relative error below 2^-50, and [`SLOP`] covers it. Nothing overflows or underflows: finite `f32` inputs are below
+//! relative error below 2^-50, and `SLOP` covers it. Nothing overflows or underflows: finite `f32` inputs are below
 //! 2^128 and, if not zero, at least 2^-149; the equation multiplies at most two of them, so every term lies between
 //! 2^-500 and 2^260.
 //!

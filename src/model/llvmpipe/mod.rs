@@ -13,7 +13,7 @@
 //! | float | [`float`]: binary32, denormals flushed, stores truncate |
 //! | 8-bit sRGB | [`srgb`] around the float arithmetic |
 //!
-//! Channels the format lacks are handled by rewriting the state ([`state`]) before any arithmetic.
+//! Channels the format lacks are handled by rewriting the state (`state`) before any arithmetic.
 
 mod depth;
 pub mod float;

@@ -1,6 +1,6 @@
 //! Scene files: versioned text, TOML for people or the same members as JSON for programs.
 //!
-//! Reading goes text, [`schema`] (what serde checks: names and types), [`build`] (what only outmerge can check), scene.
+//! Reading goes text, `schema` (what serde checks: names and types), `build` (what only outmerge can check), scene.
 //! Every error names file, line and field. Unknown members, numbers that are not finite and sizes beyond the limits are
 //! errors.
 
