@@ -19,6 +19,7 @@ pub mod queue;
 pub mod raster;
 pub mod render;
 pub mod shade;
+pub mod sorted;
 mod split;
 pub mod texture;
 

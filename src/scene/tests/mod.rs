@@ -1,8 +1,10 @@
+mod technique;
+
 use wgpu_types::BlendFactor;
 
 use super::*;
 use crate::model::exact::Exact;
-use crate::model::registry;
+use crate::model::{NumericModel, registry};
 
 fn bundled(name: &str) -> Scene {
     Scene::bundled_by_name(name).expect("a bundled scene").expect("bundled scenes are correct")
@@ -35,14 +37,19 @@ fn every_bundled_scene_renders_and_explains_itself() {
 }
 
 #[test]
-fn every_bundled_scene_renders_in_every_model_with_the_same_fragments() {
-    let models = registry::all();
-    let models: Vec<_> = models.iter().map(AsRef::as_ref).collect();
+fn every_bundled_scene_renders_in_every_model_that_covers_its_formats() {
+    let all = registry::all();
     for (name, scene) in Scene::bundled() {
         let scene = scene.expect("bundled scenes are correct");
+        let covers = |model: &&dyn NumericModel| {
+            scene.target.colors.iter().all(|color| model.supports(color.format, None).is_ok())
+        };
+        let models: Vec<_> = all.iter().map(AsRef::as_ref).filter(covers).collect();
+        assert!(models.len() >= 3, "{name}: exact, f32 and f16 cover every format");
         let rendered = scene.render_models(&models).unwrap_or_else(|error| panic!("{name}: {error}"));
-        assert_eq!(rendered.len(), models.len(), "{name}: one result a model");
         assert!(rendered.iter().all(|r| r.fragments == rendered[0].fragments), "{name}: the same fragments");
+        let alone = exact(&scene);
+        assert_eq!(rendered[0].framebuffer, alone.framebuffer, "{name}: together as alone");
     }
 }
 
