@@ -28,6 +28,17 @@ pub struct Exact {
 }
 
 impl Exact {
+    /// The result by bounded `f64` arithmetic alone; `None` where it cannot decide a rounding or an input is not finite.
+    #[must_use]
+    pub fn merge_color_bounded(self, inputs: &ColorInputs) -> Option<Codes> {
+        if !Bounded::covers(inputs) {
+            return None;
+        }
+        let arithmetic = Bounded::new(self.rounding);
+        let codes = evaluate(&arithmetic, inputs);
+        (!arithmetic.in_doubt()).then_some(codes)
+    }
+
     /// The result by rational arithmetic alone; slow, and equal to [`NumericModel::merge_color`] by construction of the
     /// bound (and by test).
     #[must_use]
@@ -69,14 +80,7 @@ impl NumericModel for Exact {
     }
 
     fn merge_color(&self, inputs: &ColorInputs) -> Codes {
-        if Bounded::covers(inputs) {
-            let arithmetic = Bounded::new(self.rounding);
-            let codes = evaluate(&arithmetic, inputs);
-            if !arithmetic.in_doubt() {
-                return codes;
-            }
-        }
-        self.merge_color_rational(inputs)
+        self.merge_color_bounded(inputs).unwrap_or_else(|| self.merge_color_rational(inputs))
     }
 
     fn explain_color(&self, inputs: &ColorInputs) -> Explanation {
