@@ -27,6 +27,8 @@ pub mod report;
 
 #[cfg(feature = "cli")]
 pub mod cli;
+#[cfg(feature = "gpu")]
+pub mod crosscheck;
 
 pub use fragment::Fragment;
 pub use merger::Merger;

@@ -1,0 +1,215 @@
+//! Which adapters there are, choosing one by name, and the environment a comparison needs.
+//!
+//! Mesa's disk cache of compiled shaders ignores the vector width (`LP_NATIVE_VECTOR_WIDTH`), which changes results, so
+//! a comparison runs with the cache off. The driver reads the variable when it is loaded and this crate has no unsafe
+//! code to set it in its own process: [`reexec_without_shader_cache`] starts the program again instead.
+
+use std::time::Duration;
+
+use wgpu::{Backends, Features};
+
+/// The variable that turns Mesa's shader cache off.
+pub const SHADER_CACHE_VARIABLE: &str = "MESA_SHADER_CACHE_DISABLE";
+
+/// The variable that narrows llvmpipe's vectors, in bits.
+pub const VECTOR_WIDTH_VARIABLE: &str = "LP_NATIVE_VECTOR_WIDTH";
+
+/// A device that cannot be opened.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum OpenError {
+    /// No loader, no driver, or a driver without devices.
+    #[error(
+        "no Vulkan adapter: {reason}; install a driver (software: Debian's mesa-vulkan-drivers) or point VK_DRIVER_FILES at its ICD file"
+    )]
+    NoAdapter {
+        /// What wgpu says of each backend.
+        reason: String,
+    },
+    /// There are adapters, but none of this name.
+    #[error("no Vulkan adapter whose name or driver contains `{name}`; there are: {}", found.join("; "))]
+    NoSuchAdapter {
+        /// The asked part of a name.
+        name: String,
+        /// The adapters there are.
+        found: Vec<String>,
+    },
+    /// The adapter lacks a required feature.
+    #[error(
+        "adapter `{adapter}` lacks the feature {features}; choose another adapter or leave out the states that need it"
+    )]
+    MissingFeatures {
+        /// The adapter's name.
+        adapter: String,
+        /// The features, as wgpu names them.
+        features: String,
+    },
+    /// Mesa's shader cache is on.
+    #[error(
+        "Mesa's shader cache is on, and it mixes results of different vector widths; set {SHADER_CACHE_VARIABLE}=true, or pass --allow-shader-cache"
+    )]
+    ShaderCache,
+    /// The driver refused to open the device.
+    #[error("adapter `{adapter}` cannot be opened: {reason}")]
+    Refused {
+        /// The adapter's name.
+        adapter: String,
+        /// What the driver says.
+        reason: String,
+    },
+}
+
+/// How to open a device.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OpenOptions {
+    /// Part of the adapter's name or driver, case ignored; `None` takes the first adapter.
+    pub adapter: Option<String>,
+    /// Features to insist on; others that states may need are taken when present.
+    pub required_features: Features,
+    /// Accept Mesa's shader cache (see the module's page).
+    pub allow_shader_cache: bool,
+    /// Longest wait for one submission before the device counts as hung.
+    pub timeout: Duration,
+}
+
+impl Default for OpenOptions {
+    fn default() -> Self {
+        Self {
+            adapter: None,
+            required_features: Features::empty(),
+            allow_shader_cache: false,
+            timeout: Duration::from_secs(60),
+        }
+    }
+}
+
+/// What identifies an adapter in a report.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "json", derive(serde::Serialize))]
+pub struct AdapterReport {
+    /// The device's name, e.g. `llvmpipe (LLVM 15.0.6, 256 bits)`.
+    pub name: String,
+    /// The driver's name.
+    pub driver: String,
+    /// The driver's version.
+    pub driver_info: String,
+    /// Kind of device, e.g. `Cpu`.
+    pub device_type: String,
+    /// Width of llvmpipe's vectors as forced by [`VECTOR_WIDTH_VARIABLE`]; `None` when the driver chooses.
+    pub native_vector_width: Option<String>,
+    /// Whether Mesa's shader cache is off.
+    pub shader_cache_disabled: bool,
+}
+
+impl AdapterReport {
+    /// Describes an adapter in this process's environment.
+    #[must_use]
+    pub fn of(info: &wgpu::AdapterInfo) -> Self {
+        Self {
+            name: info.name.clone(),
+            driver: info.driver.clone(),
+            driver_info: info.driver_info.clone(),
+            device_type: format!("{:?}", info.device_type),
+            native_vector_width: std::env::var(VECTOR_WIDTH_VARIABLE).ok(),
+            shader_cache_disabled: shader_cache_disabled(),
+        }
+    }
+
+    /// Whether the driver is one of Mesa's, which share the shader cache.
+    #[must_use]
+    pub fn is_mesa(&self) -> bool {
+        self.driver_info.contains("Mesa")
+    }
+}
+
+impl std::fmt::Display for AdapterReport {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} [{}, {}, {}]", self.name, self.device_type, self.driver, self.driver_info)
+    }
+}
+
+/// A Vulkan instance: the way to adapters.
+#[derive(Debug)]
+pub struct Adapters {
+    instance: wgpu::Instance,
+    found: Vec<wgpu::Adapter>,
+}
+
+impl Adapters {
+    /// Asks the Vulkan loader for all adapters; there may be none.
+    #[must_use]
+    pub fn enumerate() -> Self {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+            backends: Backends::VULKAN,
+            // Validation layers change nothing in the bytes and cost time; software drivers may lack certification.
+            flags: wgpu::InstanceFlags::ALLOW_UNDERLYING_NONCOMPLIANT_ADAPTER,
+            ..wgpu::InstanceDescriptor::new_without_display_handle()
+        });
+        let found = pollster::block_on(instance.enumerate_adapters(Backends::VULKAN));
+        Self { instance, found }
+    }
+
+    /// What there is, in the loader's order.
+    #[must_use]
+    pub fn reports(&self) -> Vec<AdapterReport> {
+        self.found.iter().map(|adapter| AdapterReport::of(&adapter.get_info())).collect()
+    }
+
+    /// The first adapter whose name or driver contains `name`, case ignored; the first of all for `None`.
+    ///
+    /// # Errors
+    /// [`OpenError::NoAdapter`] when there is none at all, [`OpenError::NoSuchAdapter`] when none has that name.
+    pub fn choose(&self, name: Option<&str>) -> Result<&wgpu::Adapter, OpenError> {
+        let Some(first) = self.found.first() else {
+            return Err(OpenError::NoAdapter { reason: self.why_none() });
+        };
+        let Some(name) = name else { return Ok(first) };
+        let wanted = name.to_lowercase();
+        let matches = |adapter: &&wgpu::Adapter| {
+            let info = adapter.get_info();
+            [info.name, info.driver, info.driver_info].iter().any(|text| text.to_lowercase().contains(&wanted))
+        };
+        self.found.iter().find(matches).ok_or_else(|| OpenError::NoSuchAdapter {
+            name: name.to_owned(),
+            found: self.reports().iter().map(ToString::to_string).collect(),
+        })
+    }
+
+    /// wgpu's own words for an empty list: loader missing, driver missing, no device.
+    fn why_none(&self) -> String {
+        match pollster::block_on(self.instance.request_adapter(&wgpu::RequestAdapterOptions::default())) {
+            Ok(_) => "the list of adapters is empty".to_owned(),
+            Err(error) => error.to_string(),
+        }
+    }
+}
+
+/// Whether the environment turns Mesa's shader cache off.
+#[must_use]
+pub fn shader_cache_disabled() -> bool {
+    let value = std::env::var(SHADER_CACHE_VARIABLE).unwrap_or_default().to_lowercase();
+    matches!(value.as_str(), "1" | "true" | "y" | "yes")
+}
+
+/// Starts this program again, same arguments, with Mesa's shader cache off; returns only when it is off already.
+///
+/// On Unix the new program replaces this one; elsewhere it runs as a child and this process exits with its code.
+///
+/// # Errors
+/// When the program cannot be started again.
+pub fn reexec_without_shader_cache() -> std::io::Result<()> {
+    if shader_cache_disabled() {
+        return Ok(());
+    }
+    let mut again = std::process::Command::new(std::env::current_exe()?);
+    again.args(std::env::args_os().skip(1)).env(SHADER_CACHE_VARIABLE, "true");
+    #[cfg(unix)]
+    {
+        // `exec` returns only on failure.
+        Err(std::os::unix::process::CommandExt::exec(&mut again))
+    }
+    #[cfg(not(unix))]
+    {
+        let status = again.status()?;
+        std::process::exit(status.code().unwrap_or(2))
+    }
+}

@@ -1,0 +1,23 @@
+//! The same fragments through a real driver: replay on a Vulkan device, by way of wgpu (feature `gpu`).
+//!
+//! - [`adapter`]: which devices there are, choosing one by name, and the environment they must run in;
+//! - [`device`]: an open device whose faults come back as errors, never as panics or hangs;
+//! - [`shader`], [`pipeline`]: the WGSL that hands arbitrary bits to the output merger, built once per state;
+//! - [`batch`], [`record`], [`painter`]: layers of fragments, checked, laid out for the device, and drawn in one pass;
+//! - [`upload`], [`readback`]: target bytes to the device and back, exactly;
+//! - [`replay`]: a batch of layers over given targets, and the bytes afterwards.
+
+pub mod adapter;
+pub mod batch;
+pub mod device;
+pub mod painter;
+pub mod pipeline;
+pub mod readback;
+pub mod record;
+pub mod replay;
+pub mod shader;
+pub mod upload;
+
+pub use adapter::{AdapterReport, OpenError, OpenOptions};
+pub use device::{Device, DeviceError};
+pub use replay::{Batch, Layer, Replay, ReplayError};

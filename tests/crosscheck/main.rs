@@ -1,0 +1,9 @@
+//! Replay on a real Vulkan driver.
+//!
+//! With `OUTMERGE_REQUIRE_ADAPTER` set (part of an adapter's name, e.g. `llvmpipe`) a missing adapter fails every test
+//! here; without it the tests say that they are skipped.
+#![cfg(feature = "gpu")]
+
+mod formats;
+mod harness;
+mod layers;
