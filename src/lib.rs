@@ -25,10 +25,11 @@ pub mod vectors;
 #[cfg(feature = "report")]
 pub mod report;
 
-#[cfg(feature = "cli")]
-pub mod cli;
 #[cfg(feature = "gpu")]
 pub mod crosscheck;
+
+#[cfg(feature = "cli")]
+pub mod cli;
 
 pub use fragment::Fragment;
 pub use merger::Merger;

@@ -11,12 +11,9 @@ use wgpu_types::{BlendState, ColorTargetState, ColorWrites, TextureFormat};
 /// The device under test; `None`, with a line on stderr, when there is no adapter and none is required.
 pub fn device() -> Option<&'static Device> {
     static DEVICE: OnceLock<Result<Device, OpenError>> = OnceLock::new();
-    let required = std::env::var("OUTMERGE_REQUIRE_ADAPTER").ok();
-    let opened =
-        DEVICE.get_or_init(|| Device::open(&OpenOptions { adapter: required.clone(), ..OpenOptions::default() }));
-    match opened {
+    match DEVICE.get_or_init(|| Device::open(&options())) {
         Ok(device) => Some(device),
-        Err(OpenError::NoAdapter { .. }) if required.is_none() => {
+        Err(OpenError::NoAdapter { .. }) if options().adapter.is_none() => {
             let test = std::thread::current().name().unwrap_or("test").to_owned();
             // Straight to stderr: the test runner would swallow a captured line of a passing test.
             let _ = writeln!(std::io::stderr(), "{test}: skipped: no Vulkan adapter");
