@@ -1,6 +1,6 @@
 //! Vectors made from random states and inputs that look for trouble: boundaries, ties, special values.
 
-use wgpu_types::{BlendComponent, BlendOperation, BlendState, ColorWrites};
+use wgpu_types::{BlendComponent, BlendFactor, BlendOperation, BlendState, ColorWrites};
 
 use super::VectorLine;
 use crate::format::{ChannelKind, ColorFormat, FloatLayout, TargetClass, snorm, unorm};
@@ -68,7 +68,8 @@ impl Generator {
         let operations: Vec<_> = spelling::blend_operations().collect();
         let operation = operations[self.random.usize(..operations.len())];
         if matches!(operation, BlendOperation::Min | BlendOperation::Max) {
-            return BlendComponent { operation, ..BlendComponent::REPLACE };
+            // WebGPU's rule for operations that ignore factors.
+            return BlendComponent { src_factor: BlendFactor::One, dst_factor: BlendFactor::One, operation };
         }
         let mut factor = || factors[self.random.usize(..factors.len())];
         BlendComponent { src_factor: factor(), dst_factor: factor(), operation }

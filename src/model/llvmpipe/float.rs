@@ -1,4 +1,4 @@
-//! Float targets: binary32 arithmetic with denormals flushed, x86 minima, and stores that truncate.
+//! Float targets: binary32 arithmetic, x86 minima, and stores that truncate.
 
 use wgpu_types::{BlendFactor, BlendOperation};
 
@@ -8,56 +8,62 @@ use crate::format::{ChannelKind, FloatLayout, Rounding};
 use crate::merger::blend::component;
 use crate::model::ColorInputs;
 
-/// Operations of the driver's rasteriser threads: denormal operands count as zero, denormal results become zero.
-pub(super) mod ops {
-    /// The smallest normal number, 2^-126.
-    const TINY: f32 = f32::MIN_POSITIVE;
+/// Binary32 operations as the driver compiles them for one family of formats.
+///
+/// For 32-bit float and sRGB targets denormal operands count as zero and denormal results become zero; for half and
+/// 11/10-bit targets the shader that converts them runs with denormals on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ops {
+    /// Whether denormals are flushed.
+    pub flush: bool,
+}
 
+impl Ops {
     /// A denormal operand counts as zero of its sign.
-    pub(in super::super) fn flush(x: f32) -> f32 {
-        if x.abs() < TINY { 0.0_f32.copysign(x) } else { x }
+    fn operand(self, x: f32) -> f32 {
+        if self.flush && x.abs() < f32::MIN_POSITIVE { 0.0_f32.copysign(x) } else { x }
     }
 
-    pub(in super::super) fn add(a: f32, b: f32) -> f32 {
-        flush(flush(a) + flush(b))
+    pub(super) fn add(self, a: f32, b: f32) -> f32 {
+        // A sum of normal numbers below 2^-126 is exact, so tininess needs no look at the rounding.
+        self.operand(self.operand(a) + self.operand(b))
     }
 
-    pub(in super::super) fn subtract(a: f32, b: f32) -> f32 {
-        add(a, -b)
+    pub(super) fn subtract(self, a: f32, b: f32) -> f32 {
+        self.add(a, -b)
     }
 
-    /// A product is tiny if it is below 2^-126 after rounding to 24 bits without a lower limit on the exponent.
-    pub(in super::super) fn multiply(a: f32, b: f32) -> f32 {
-        let (a, b) = (flush(a), flush(b));
+    pub(super) fn multiply(self, a: f32, b: f32) -> f32 {
+        let (a, b) = (self.operand(a), self.operand(b));
         let product = a * b;
-        let exact = f64::from(a) * f64::from(b);
-        if is_tiny(exact) { 0.0_f32.copysign(product) } else { product }
+        if self.is_tiny(f64::from(a) * f64::from(b)) { 0.0_f32.copysign(product) } else { product }
     }
 
     /// a * b + c rounded once.
     #[expect(clippy::disallowed_methods, reason = "the driver emits a fused multiply-add here")]
-    pub(in super::super) fn fused_multiply_add(a: f32, b: f32, c: f32) -> f32 {
-        let (a, b, c) = (flush(a), flush(b), flush(c));
+    fn fused_multiply_add(self, a: f32, b: f32, c: f32) -> f32 {
+        let (a, b, c) = (self.operand(a), self.operand(b), self.operand(c));
         let sum = a.mul_add(b, c);
-        // The f64 sum is exact or not near the limit: tiny sums are multiples of 2^-252 below 2^-126.
-        if is_tiny(f64::from(a) * f64::from(b) + f64::from(c)) { 0.0_f32.copysign(sum) } else { sum }
+        // The product is exact in f64, and a sum near 2^-126 rounds there at 2^-179, far below what decides.
+        if self.is_tiny(f64::from(a) * f64::from(b) + f64::from(c)) { 0.0_f32.copysign(sum) } else { sum }
     }
 
-    /// Half an ulp (of 24-bit numbers below 2^-126) under 2^-126 still rounds up to it.
-    fn is_tiny(exact: f64) -> bool {
-        let limit = f64::from(TINY) * (1.0 - 1.0 / f64::from(1 << 25));
-        exact.abs() < limit
+    /// Whether a result is flushed: below 2^-126 after rounding to 24 bits without a lower limit on the exponent. Half an
+    /// ulp (of such numbers) under 2^-126 still rounds up to it.
+    fn is_tiny(self, exact: f64) -> bool {
+        let limit = f64::from(f32::MIN_POSITIVE) * (1.0 - 1.0 / f64::from(1 << 25));
+        self.flush && exact.abs() < limit
     }
 
     /// x86 MINPS: the second operand unless the first is less.
-    pub(in super::super) fn minimum(a: f32, b: f32) -> f32 {
-        let (a, b) = (flush(a), flush(b));
+    fn minimum(self, a: f32, b: f32) -> f32 {
+        let (a, b) = (self.operand(a), self.operand(b));
         if a < b { a } else { b }
     }
 
     /// x86 MAXPS: the second operand unless the first is greater.
-    pub(in super::super) fn maximum(a: f32, b: f32) -> f32 {
-        let (a, b) = (flush(a), flush(b));
+    fn maximum(self, a: f32, b: f32) -> f32 {
+        let (a, b) = (self.operand(a), self.operand(b));
         if a > b { a } else { b }
     }
 }
@@ -75,11 +81,14 @@ pub(super) fn merge(inputs: &ColorInputs) -> Steps {
     let channels = inputs.format.channels();
     let decode = |i: usize| match channels[i] {
         ChannelKind::Float(layout) => crate::model::binary32::narrow(layout.decode(inputs.dst[i])),
+        // Missing alpha reads as 1.
+        _ if i == 3 => 1.0,
         _ => 0.0,
     };
     let operands =
         Operands { src: inputs.src, src1: inputs.src1, constant: inputs.constant, dst: std::array::from_fn(decode) };
-    let (result, equation) = blend(inputs, &operands);
+    let flush = channels[0] == ChannelKind::Float(FloatLayout::SINGLE);
+    let (result, equation) = blend(inputs, &operands, Ops { flush });
     let codes = std::array::from_fn(|i| match channels[i] {
         ChannelKind::Float(FloatLayout::SINGLE) => result[i].to_bits(),
         ChannelKind::Float(layout) => layout.encode(f64::from(result[i]), Rounding::TowardZero),
@@ -97,7 +106,7 @@ pub(super) fn merge(inputs: &ColorInputs) -> Steps {
 }
 
 /// The driver's equation in binary32; with blending off, the source.
-pub(super) fn blend(inputs: &ColorInputs, operands: &Operands) -> ([f32; 4], [Option<Equation>; 4]) {
+pub(super) fn blend(inputs: &ColorInputs, operands: &Operands, ops: Ops) -> ([f32; 4], [Option<Equation>; 4]) {
     let mut result = operands.src;
     let mut equations = [None; 4];
     let Some(state) = inputs.blend.map(|state| rewrite(state, inputs.format)) else {
@@ -115,7 +124,7 @@ pub(super) fn blend(inputs: &ColorInputs, operands: &Operands) -> ([f32; 4], [Op
         } else if both(BlendFactor::One, pick) {
             Some(x)
         } else {
-            Some(ops::multiply(x, factor))
+            Some(ops.multiply(x, factor))
         }
     };
     let same_factors = state.color.src_factor == state.color.dst_factor
@@ -123,26 +132,26 @@ pub(super) fn blend(inputs: &ColorInputs, operands: &Operands) -> ([f32; 4], [Op
     for i in 0..count {
         let c = component(&state, i);
         let (src, dst) = (operands.src[i], operands.dst[i]);
-        let src_factor = operands.factor(c.src_factor, i);
-        let dst_factor = operands.factor(c.dst_factor, i);
+        let src_factor = operands.factor(ops, c.src_factor, i);
+        let dst_factor = operands.factor(ops, c.dst_factor, i);
         let complementary = count == 1 && complementary(c.src_factor, c.dst_factor);
         let rule;
         let mut terms = None;
         (result[i], rule) = match c.operation {
-            BlendOperation::Min => (ops::minimum(src, dst), "S < D ? S : D"),
-            BlendOperation::Max => (ops::maximum(src, dst), "S > D ? S : D"),
+            BlendOperation::Min => (ops.minimum(src, dst), "S < D ? S : D"),
+            BlendOperation::Max => (ops.maximum(src, dst), "S > D ? S : D"),
             operation if complementary => {
-                interpolate(operation, is_inverted(c.dst_factor), src, dst, src_factor, dst_factor)
+                interpolate(ops, operation, is_inverted(c.dst_factor), src, dst, src_factor, dst_factor)
             }
             operation if same_factors => {
-                let combined = combine(operation, Some(src), Some(dst));
+                let combined = combine(ops, operation, Some(src), Some(dst));
                 (term(|c| c.src_factor, combined, src_factor).unwrap_or(0.0), "(S op D) F")
             }
             operation => {
                 let s = term(|c| c.src_factor, src, src_factor);
                 let d = term(|c| c.dst_factor, dst, dst_factor);
                 terms = Some((f64::from(s.unwrap_or(0.0)), f64::from(d.unwrap_or(0.0))));
-                (combine(operation, s, d), "S Fs op D Fd, each operation rounded; terms with factor 0 dropped")
+                (combine(ops, operation, s, d), "S Fs op D Fd, each operation rounded; terms with factor 0 dropped")
             }
         };
         equations[i] =
@@ -152,19 +161,20 @@ pub(super) fn blend(inputs: &ColorInputs, operands: &Operands) -> ([f32; 4], [Op
 }
 
 /// Add, subtract or reverse-subtract; a dropped term is a zero that costs no operation where it can be left out.
-fn combine(operation: BlendOperation, src: Option<f32>, dst: Option<f32>) -> f32 {
+fn combine(ops: Ops, operation: BlendOperation, src: Option<f32>, dst: Option<f32>) -> f32 {
     let (left, right) = if operation == BlendOperation::ReverseSubtract { (dst, src) } else { (src, dst) };
     match (operation, left, right) {
         (_, None, None) => 0.0,
         (_, Some(x), None) | (BlendOperation::Add, None, Some(x)) => x,
-        (BlendOperation::Add, Some(x), Some(y)) => ops::add(x, y),
-        (_, None, Some(y)) => ops::subtract(0.0, y),
-        (_, Some(x), Some(y)) => ops::subtract(x, y),
+        (BlendOperation::Add, Some(x), Some(y)) => ops.add(x, y),
+        (_, None, Some(y)) => ops.subtract(0.0, y),
+        (_, Some(x), Some(y)) => ops.subtract(x, y),
     }
 }
 
 /// Single-channel targets with factors f and 1 - f.
 fn interpolate(
+    ops: Ops,
     operation: BlendOperation,
     dst_inverted: bool,
     src: f32,
@@ -172,24 +182,24 @@ fn interpolate(
     src_factor: f32,
     dst_factor: f32,
 ) -> (f32, &'static str) {
-    let sum = || ops::add(src, dst);
+    let sum = || ops.add(src, dst);
     match (operation, dst_inverted) {
         (BlendOperation::Add, true) => {
-            (ops::fused_multiply_add(src_factor, ops::subtract(src, dst), dst), "fma(Fs, S - D, D)")
+            (ops.fused_multiply_add(src_factor, ops.subtract(src, dst), dst), "fma(Fs, S - D, D)")
         }
         (BlendOperation::Add, false) => {
-            (ops::fused_multiply_add(dst_factor, ops::subtract(dst, src), src), "fma(Fd, D - S, S)")
+            (ops.fused_multiply_add(dst_factor, ops.subtract(dst, src), src), "fma(Fd, D - S, S)")
         }
-        (BlendOperation::Subtract, true) => (ops::subtract(ops::multiply(sum(), src_factor), dst), "(S + D) Fs - D"),
-        (BlendOperation::Subtract, false) => (ops::subtract(src, ops::multiply(sum(), dst_factor)), "S - (S + D) Fd"),
-        (_, true) => (ops::subtract(dst, ops::multiply(sum(), src_factor)), "D - (S + D) Fs"),
-        (_, false) => (ops::subtract(ops::multiply(sum(), dst_factor), src), "(S + D) Fd - S"),
+        (BlendOperation::Subtract, true) => (ops.subtract(ops.multiply(sum(), src_factor), dst), "(S + D) Fs - D"),
+        (BlendOperation::Subtract, false) => (ops.subtract(src, ops.multiply(sum(), dst_factor)), "S - (S + D) Fd"),
+        (_, true) => (ops.subtract(dst, ops.multiply(sum(), src_factor)), "D - (S + D) Fs"),
+        (_, false) => (ops.subtract(ops.multiply(sum(), dst_factor), src), "(S + D) Fd - S"),
     }
 }
 
 impl Operands {
-    fn factor(&self, factor: BlendFactor, i: usize) -> f32 {
-        let complement = |x| ops::subtract(1.0, x);
+    fn factor(&self, ops: Ops, factor: BlendFactor, i: usize) -> f32 {
+        let complement = |x| ops.subtract(1.0, x);
         match factor {
             BlendFactor::Zero => 0.0,
             BlendFactor::One => 1.0,
@@ -202,7 +212,7 @@ impl Operands {
             BlendFactor::DstAlpha => self.dst[3],
             BlendFactor::OneMinusDstAlpha => complement(self.dst[3]),
             BlendFactor::SrcAlphaSaturated if i == 3 => 1.0,
-            BlendFactor::SrcAlphaSaturated => ops::minimum(self.src[3], self.inverse_dst_alpha()),
+            BlendFactor::SrcAlphaSaturated => ops.minimum(self.src[3], complement(self.dst[3])),
             BlendFactor::Constant => self.constant[i],
             BlendFactor::OneMinusConstant => complement(self.constant[i]),
             BlendFactor::Src1 => self.src1[i],
@@ -210,9 +220,5 @@ impl Operands {
             BlendFactor::Src1Alpha => self.src1[3],
             BlendFactor::OneMinusSrc1Alpha => complement(self.src1[3]),
         }
-    }
-
-    fn inverse_dst_alpha(&self) -> f32 {
-        ops::subtract(1.0, self.dst[3])
     }
 }

@@ -3,7 +3,7 @@
 //! The encode's results depend on the processor: see [`super::rsqrt`]. Its largest distance from the true curve is about
 //! 0.66 of a code, and it is not monotone; both are the driver's.
 
-use super::float::{self, ops};
+use super::float::{self, Ops};
 use super::integer::quantize8;
 use super::rsqrt::rsqrt;
 use super::steps::Steps;
@@ -21,7 +21,7 @@ pub(super) fn merge(inputs: &ColorInputs) -> Steps {
         dst: std::array::from_fn(|i| if i == 3 { decode_alpha(inputs.dst[3]) } else { decode(inputs.dst[i]) }),
     };
     debug_assert_eq!(state::channel_count(inputs.format), 4, "both sRGB formats have four channels");
-    let (result, equation) = float::blend(inputs, &operands);
+    let (result, equation) = float::blend(inputs, &operands, OPS);
     let channels = inputs.format.channels();
     let codes = std::array::from_fn(|i| match channels[i] {
         ChannelKind::Srgb => encode(clamp_unit(result[i])),
@@ -66,15 +66,22 @@ const LINEAR_SLOPE: f32 = 1.0 / (12.6 * 255.0);
 /// 0.0023 + 0.0030 y + 0.6935 y^2 + 0.3012 y^3 with y = x / 255.
 const CUBIC: [f32; 4] = [0.0023, 0.0030 / 255.0, 0.6935 / (255.0 * 255.0), 0.3012 / (255.0 * 255.0 * 255.0)];
 
+/// Weights of the fourth root, the square root and 1 in the encode: 0.675 * 1.0622, 0.325 * 1.0622 and -0.062, each rounded
+/// to binary32 before it is scaled by 255.
+const ENCODE: [f32; 3] = [0.716_985, 0.345_215, -0.062];
+
+/// Denormals are flushed.
+const OPS: Ops = Ops { flush: true };
+
 /// The code of a linear number in [0, 1].
 pub(super) fn encode(s: f32) -> u32 {
     let scaled = if s <= 0.003_130_8 {
-        ops::multiply(s, 12.92 * 255.0)
+        OPS.multiply(s, 12.92 * 255.0)
     } else {
         let root = s * rsqrt(s);
         let fourth = rsqrt(rsqrt(root * s));
-        let sum = fma(0.325 * 1.0622 * 255.0, root, -0.062 * 255.0);
-        0.675 * 1.0622 * 255.0 * fourth + sum
+        let sum = fma(ENCODE[1] * 255.0, root, ENCODE[2] * 255.0);
+        ENCODE[0] * 255.0 * fourth + sum
     };
     quantize_scaled(scaled)
 }
