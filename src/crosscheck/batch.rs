@@ -114,6 +114,25 @@ pub enum ReplayError {
         /// Bytes the device binds.
         limit: u64,
     },
+    /// A sweep over targets whose rows would be padded.
+    #[error("a sweep's targets must be a multiple of {multiple} texels wide, not {width}")]
+    SweepWidth {
+        /// Asked width.
+        width: u32,
+        /// Smallest width.
+        multiple: u32,
+    },
+    /// A sweep's array is too long or too short.
+    #[error("a sweep's arrays must have one element for each of the {expected} texels, not {got}")]
+    SweepSize {
+        /// Texels of the targets.
+        expected: usize,
+        /// Elements given.
+        got: usize,
+    },
+    /// A sweep's job needs what its fragments do not offer.
+    #[error("the sweep's state needs {0}")]
+    SweepInput(&'static str),
     /// An initial depth code that drawing does not produce.
     #[error(
         "texel {texel}: the device holds depth code {got:#x} where {wanted:#x} was to be put; such a code cannot come from a draw"
@@ -131,18 +150,75 @@ pub enum ReplayError {
 impl Batch {
     /// Whether the device can replay this batch.
     pub(super) fn check(&self, device: &Device) -> Result<(), ReplayError> {
-        let targets = &self.initial;
-        if targets.extent.samples != 1 {
-            return Err(ReplayError::Samples(targets.extent.samples));
-        }
-        let colors = targets.colors.iter().flatten().map(|color| color.format().texture_format());
-        for format in colors.chain(targets.depth_stencil.iter().map(|target| target.format().texture_format())) {
-            if !device.renders(format) {
-                return Err(ReplayError::NotRendered { adapter: device.report().name.clone(), format });
-            }
-        }
-        self.layers.iter().enumerate().try_for_each(|(index, layer)| layer.check(index, device, targets))
+        check_targets(device, &self.initial)?;
+        self.layers.iter().enumerate().try_for_each(|(index, layer)| layer.check(index, device, &self.initial))
     }
+}
+
+/// Whether the device draws to these targets.
+pub(super) fn check_targets(device: &Device, targets: &Framebuffer) -> Result<(), ReplayError> {
+    if targets.extent.samples != 1 {
+        return Err(ReplayError::Samples(targets.extent.samples));
+    }
+    let colors = targets.colors.iter().flatten().map(|color| color.format().texture_format());
+    let depth_stencil = targets.depth_stencil.iter().map(|target| target.format().texture_format());
+    match colors.chain(depth_stencil).find(|format| !device.renders(*format)) {
+        Some(format) => Err(ReplayError::NotRendered { adapter: device.report().name.clone(), format }),
+        None => Ok(()),
+    }
+}
+
+/// Whether a state fits targets and device; `layer` is named in errors.
+pub(super) fn check_state(
+    device: &Device,
+    layer: usize,
+    state: &MergerState,
+    unclipped_depth: bool,
+    targets: &Framebuffer,
+) -> Result<(), ReplayError> {
+    check_attachments(layer, state, targets)?;
+    let needs = |feature: Features, what: &str| match device.features().contains(feature) {
+        true => Ok(()),
+        false => Err(ReplayError::MissingFeature {
+            adapter: device.report().name.clone(),
+            feature: feature_names(feature),
+            what: what.to_owned(),
+        }),
+    };
+    if unclipped_depth {
+        needs(Features::DEPTH_CLIP_CONTROL, "unclipped depth")?;
+    }
+    if state_reads_second_source(state) {
+        needs(Features::DUAL_SOURCE_BLENDING, "a second source")?;
+        if state.targets.iter().flatten().count() != 1 || state.targets[0].is_none() {
+            return Err(ReplayError::DualSourceTargets(layer));
+        }
+    }
+    Ok(())
+}
+
+fn check_attachments(layer: usize, state: &MergerState, targets: &Framebuffer) -> Result<(), ReplayError> {
+    let wrong = |attachment: String| Err(ReplayError::Attachment { layer, attachment });
+    if state.targets.len() > MAX_COLOR_TARGETS {
+        return wrong(format!("the number of color targets ({})", state.targets.len()));
+    }
+    for (location, target) in state.targets.iter().enumerate() {
+        let Some(target) = target else { continue };
+        let attached = targets.colors.get(location).and_then(Option::as_ref);
+        if attached.map(|color| color.format().texture_format()) != Some(target.format) {
+            return wrong(format!("color target {location}"));
+        }
+    }
+    if let Some(depth_stencil) = &state.depth_stencil {
+        let attached = targets.depth_stencil.as_ref().map(|target| target.format());
+        if attached.map(DepthFormat::texture_format) != Some(depth_stencil.format) {
+            return wrong("the depth/stencil target".to_owned());
+        }
+    }
+    if state.multisample.count != targets.extent.samples {
+        return wrong("the sample count".to_owned());
+    }
+    Ok(())
 }
 
 impl Layer {
@@ -156,60 +232,18 @@ impl Layer {
         if let Some(references) = &self.stencil_references {
             size("stencil references", references.len())?;
         }
-        self.check_attachments(index, targets)?;
-        let needs = |feature: Features, what: &str| match device.features().contains(feature) {
-            true => Ok(()),
-            false => Err(ReplayError::MissingFeature {
-                adapter: device.report().name.clone(),
-                feature: feature_names(feature),
-                what: what.to_owned(),
-            }),
-        };
-        if self.unclipped_depth {
-            needs(Features::DEPTH_CLIP_CONTROL, "unclipped depth")?;
-        }
-        if self.uses_second_source() {
-            needs(Features::DUAL_SOURCE_BLENDING, "a second source")?;
-            if self.state.targets.iter().flatten().count() != 1 || self.state.targets[0].is_none() {
-                return Err(ReplayError::DualSourceTargets(index));
-            }
-        }
-        Ok(())
-    }
-
-    fn check_attachments(&self, index: usize, targets: &Framebuffer) -> Result<(), ReplayError> {
-        let wrong = |attachment: String| Err(ReplayError::Attachment { layer: index, attachment });
-        if self.state.targets.len() > MAX_COLOR_TARGETS {
-            return wrong(format!("the number of color targets ({})", self.state.targets.len()));
-        }
-        for (location, target) in self.state.targets.iter().enumerate() {
-            let Some(target) = target else { continue };
-            let attached = targets.colors.get(location).and_then(Option::as_ref);
-            if attached.map(|color| color.format().texture_format()) != Some(target.format) {
-                return wrong(format!("color target {location}"));
-            }
-        }
-        if let Some(state) = &self.state.depth_stencil {
-            let attached = targets.depth_stencil.as_ref().map(|target| target.format());
-            if attached.map(DepthFormat::texture_format) != Some(state.format) {
-                return wrong("the depth/stencil target".to_owned());
-            }
-        }
-        if self.state.multisample.count != targets.extent.samples {
-            return wrong("the sample count".to_owned());
-        }
-        Ok(())
-    }
-
-    /// Whether some factor reads the second source.
-    pub(super) fn uses_second_source(&self) -> bool {
-        self.state.targets.iter().flatten().filter_map(|target| target.blend.as_ref()).any(reads_second_source)
+        check_state(device, index, &self.state, self.unclipped_depth, targets)
     }
 }
 
-/// Whether a factor of `blend` reads the second source.
+/// Whether some target's blending reads the second source.
 #[must_use]
-pub fn reads_second_source(blend: &BlendState) -> bool {
+pub fn state_reads_second_source(state: &MergerState) -> bool {
+    state.targets.iter().flatten().filter_map(|target| target.blend.as_ref()).any(reads_second_source)
+}
+
+/// Whether a factor of `blend` reads the second source.
+fn reads_second_source(blend: &BlendState) -> bool {
     [blend.color, blend.alpha]
         .iter()
         .any(|part| part.src_factor.ref_second_blend_source() || part.dst_factor.ref_second_blend_source())

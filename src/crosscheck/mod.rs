@@ -5,19 +5,25 @@
 //! - [`shader`], [`pipeline`]: the WGSL that hands arbitrary bits to the output merger, built once per state;
 //! - [`batch`], [`record`], [`painter`]: layers of fragments, checked, laid out for the device, and drawn in one pass;
 //! - [`upload`], [`readback`]: target bytes to the device and back, exactly;
-//! - [`replay`]: a batch of layers over given targets, and the bytes afterwards.
+//! - [`replay`]: a batch of layers over given targets, and the bytes afterwards;
+//! - [`sweep`], [`program`]: the fast path, fragments uploaded once or computed on the device.
 
 pub mod adapter;
 pub mod batch;
 pub mod device;
 pub mod painter;
 pub mod pipeline;
+pub mod program;
 pub mod readback;
 pub mod record;
 pub mod replay;
 pub mod shader;
+pub mod sweep;
 pub mod upload;
 
 pub use adapter::{AdapterReport, OpenError, OpenOptions};
+pub use batch::{Batch, DepthSource, Layer, ReplayError};
 pub use device::{Device, DeviceError};
-pub use replay::{Batch, Layer, Replay, ReplayError};
+pub use program::{Input, Program};
+pub use replay::Replay;
+pub use sweep::{Destination, Fragments, Job, Outcome, Sources, Sweep};

@@ -1,12 +1,12 @@
 //! Prepared layers recorded into one render pass over loaded targets.
 
-use wgpu::{BufferUsages, ColorTargetState, ColorWrites, CompareFunction, DepthStencilState, LoadOp, StoreOp};
+use wgpu::{BufferUsages, LoadOp, StoreOp};
 
 use super::batch::Layer;
 use super::device::Device;
 use super::pipeline::{PipelineKey, Pipelines};
 use super::record::{Prepared, Vertex};
-use super::shader::ShaderKey;
+use super::shader::Shader;
 use super::upload::Attachments;
 use crate::state::{DynamicState, Rect};
 use crate::target::{Extent, Framebuffer};
@@ -24,7 +24,12 @@ impl Ready {
     #[must_use]
     pub fn new(layer: &Layer, targets: &Framebuffer) -> Self {
         let prepared = Prepared::new(layer, targets);
-        Self { key: key_of(layer, prepared.shader, targets), prepared, dynamic: layer.state.dynamic }
+        let shader = Shader::Records(prepared.shader);
+        Self {
+            key: PipelineKey::new(&layer.state, layer.unclipped_depth, shader, targets),
+            prepared,
+            dynamic: layer.state.dynamic,
+        }
     }
 
     /// Bytes of the fragments' records.
@@ -73,18 +78,7 @@ impl Painter {
             return;
         }
         let vertices = self.vertices.fill(device, bytemuck::cast_slice(&corners), 0);
-        let bindings = device.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("records"),
-            layout: self.pipelines.bind_layout(),
-            entries: &[wgpu::BindGroupEntry {
-                binding: 0,
-                resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                    buffer: &records,
-                    offset: 0,
-                    size: wgpu::BufferSize::new(longest),
-                }),
-            }],
-        });
+        let bindings = self.pipelines.bind(&records, longest);
 
         let mut encoder = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         {
@@ -92,14 +86,9 @@ impl Painter {
             pass.set_vertex_buffer(0, vertices.slice(..));
             let mut next = 0;
             for (layer, offset) in layers.iter().zip(offsets) {
-                let dynamic = &layer.dynamic;
                 pass.set_pipeline(self.pipelines.get(&layer.key));
                 pass.set_bind_group(0, &bindings, &[to_u32(offset)]);
-                pass.set_blend_constant(constant(dynamic.blend_constant));
-                let [near, far] = dynamic.depth_range;
-                pass.set_viewport(0.0, 0.0, exact(extent.width), exact(extent.height), near, far);
-                let scissor = clip(dynamic.scissor, extent);
-                pass.set_scissor_rect(scissor.x, scissor.y, scissor.width, scissor.height);
+                set_dynamic(&mut pass, &layer.dynamic, extent);
                 for draw in &layer.prepared.draws {
                     let end = next + to_u32(draw.vertices.len());
                     pass.set_stencil_reference(draw.stencil_reference & 0xff);
@@ -143,37 +132,13 @@ pub fn begin<'e>(encoder: &'e mut wgpu::CommandEncoder, attachments: &Attachment
     })
 }
 
-/// The pipeline of a layer: attachments the state leaves out stay in the pass, masked and untested.
-fn key_of(layer: &Layer, shader: ShaderKey, targets: &Framebuffer) -> PipelineKey {
-    let colors = targets.colors.iter().enumerate().map(|(location, color)| {
-        let color = color.as_ref()?;
-        let own = layer.state.targets.get(location).cloned().flatten();
-        Some(own.unwrap_or(ColorTargetState {
-            format: color.format().texture_format(),
-            blend: None,
-            write_mask: ColorWrites::empty(),
-        }))
-    });
-    let format = targets.depth_stencil.as_ref().map(|target| target.format().texture_format());
-    PipelineKey {
-        targets: colors.collect(),
-        depth_stencil: layer.state.depth_stencil.clone().or(format.map(pass_through)),
-        multisample: layer.state.multisample,
-        shader,
-        unclipped_depth: layer.unclipped_depth,
-    }
-}
-
-/// A depth/stencil state under which every fragment passes and nothing is written.
-#[must_use]
-pub fn pass_through(format: wgpu::TextureFormat) -> DepthStencilState {
-    DepthStencilState {
-        format,
-        depth_write_enabled: Some(false),
-        depth_compare: Some(CompareFunction::Always),
-        stencil: wgpu::StencilState::default(),
-        bias: wgpu::DepthBiasState::default(),
-    }
+/// Sets everything per draw except the stencil reference.
+pub fn set_dynamic(pass: &mut wgpu::RenderPass<'_>, dynamic: &DynamicState, extent: Extent) {
+    pass.set_blend_constant(constant(dynamic.blend_constant));
+    let [near, far] = dynamic.depth_range;
+    pass.set_viewport(0.0, 0.0, exact(extent.width), exact(extent.height), near, far);
+    let scissor = clip(dynamic.scissor, extent);
+    pass.set_scissor_rect(scissor.x, scissor.y, scissor.width, scissor.height);
 }
 
 /// The part of a scissor rectangle inside the targets; the API refuses more.

@@ -2,9 +2,11 @@
 
 use std::collections::HashMap;
 
-use wgpu::{ColorTargetState, DepthStencilState, MultisampleState};
+use wgpu::{ColorTargetState, ColorWrites, CompareFunction, DepthStencilState, MultisampleState};
 
-use super::shader::{FRAGMENT_ENTRY, ShaderKey, VERTEX_ENTRY};
+use super::shader::{FRAGMENT_ENTRY, Shader, VERTEX_ENTRY};
+use crate::state::MergerState;
+use crate::target::Framebuffer;
 
 /// Bytes of one vertex: a clip-space position.
 pub const VERTEX_BYTES: u64 = 16;
@@ -18,10 +20,43 @@ pub struct PipelineKey {
     pub depth_stencil: Option<DepthStencilState>,
     /// Sample count, mask and alpha to coverage.
     pub multisample: MultisampleState,
-    /// The shader's outputs.
-    pub shader: ShaderKey,
+    /// The shader.
+    pub shader: Shader,
     /// Clamp depth to the viewport's range instead of clipping (wgpu's `unclipped_depth`).
     pub unclipped_depth: bool,
+}
+
+impl PipelineKey {
+    /// The pipeline of a state in a pass over `targets`: attachments the state leaves out stay in the pass, masked and
+    /// untested.
+    #[must_use]
+    pub fn new(state: &MergerState, unclipped_depth: bool, shader: Shader, targets: &Framebuffer) -> Self {
+        let colors = targets.colors.iter().enumerate().map(|(location, color)| {
+            let format = color.as_ref()?.format().texture_format();
+            let own = state.targets.get(location).cloned().flatten();
+            Some(own.unwrap_or(ColorTargetState { format, blend: None, write_mask: ColorWrites::empty() }))
+        });
+        let format = targets.depth_stencil.as_ref().map(|target| target.format().texture_format());
+        Self {
+            targets: colors.collect(),
+            depth_stencil: state.depth_stencil.clone().or(format.map(pass_through)),
+            multisample: state.multisample,
+            shader,
+            unclipped_depth,
+        }
+    }
+}
+
+/// A depth/stencil state under which every fragment passes and nothing is written.
+#[must_use]
+pub fn pass_through(format: wgpu::TextureFormat) -> DepthStencilState {
+    DepthStencilState {
+        format,
+        depth_write_enabled: Some(false),
+        depth_compare: Some(CompareFunction::Always),
+        stencil: wgpu::StencilState::default(),
+        bias: wgpu::DepthBiasState::default(),
+    }
 }
 
 /// All pipelines built so far.
@@ -30,7 +65,7 @@ pub struct Pipelines {
     device: wgpu::Device,
     bind_layout: wgpu::BindGroupLayout,
     layout: wgpu::PipelineLayout,
-    modules: HashMap<ShaderKey, wgpu::ShaderModule>,
+    modules: HashMap<Shader, wgpu::ShaderModule>,
     built: HashMap<PipelineKey, wgpu::RenderPipeline>,
 }
 
@@ -59,10 +94,18 @@ impl Pipelines {
         Self { device: device.clone(), bind_layout, layout, modules: HashMap::new(), built: HashMap::new() }
     }
 
-    /// The layout of bind group 0: one storage buffer with a dynamic offset.
+    /// Bind group 0: `bytes` of `buffer` from the dynamic offset on.
     #[must_use]
-    pub fn bind_layout(&self) -> &wgpu::BindGroupLayout {
-        &self.bind_layout
+    pub fn bind(&self, buffer: &wgpu::Buffer, bytes: u64) -> wgpu::BindGroup {
+        let size = wgpu::BufferSize::new(bytes);
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("fragments"),
+            layout: &self.bind_layout,
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size }),
+            }],
+        })
     }
 
     /// The pipeline of `key`, built on first use. Faults show at the device's next check.
@@ -75,7 +118,7 @@ impl Pipelines {
     }
 
     fn build(&mut self, key: &PipelineKey) -> wgpu::RenderPipeline {
-        let module = self.modules.entry(key.shader).or_insert_with(|| {
+        let module = self.modules.entry(key.shader.clone()).or_insert_with(|| {
             self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some("hand over"),
                 source: wgpu::ShaderSource::Wgsl(key.shader.wgsl().into()),

@@ -41,9 +41,18 @@ struct Segment {
 impl Segment {
     /// The rows without padding.
     fn strip(self, bytes: &[u8]) -> Vec<u8> {
-        let (start, pitch, row) = (to_usize(self.offset), to_usize(self.pitch), to_usize(self.row_bytes));
-        let rows = bytes[start..start + pitch * to_usize(self.rows)].chunks_exact(pitch);
-        rows.flat_map(|padded| &padded[..row]).copied().collect()
+        let row = to_usize(self.row_bytes);
+        let mut stripped = Vec::with_capacity(row * to_usize(self.rows));
+        for padded in self.slice(bytes).chunks_exact(to_usize(self.pitch)) {
+            stripped.extend_from_slice(&padded[..row]);
+        }
+        stripped
+    }
+
+    /// The rows with their padding.
+    fn slice(self, bytes: &[u8]) -> &[u8] {
+        let start = to_usize(self.offset);
+        &bytes[start..start + to_usize(self.pitch * self.rows)]
     }
 }
 
@@ -153,6 +162,18 @@ impl Readback {
         if let Some(kind) = target.format().depth() {
             target.depth_mut().copy_from_slice(&self.depth_codes(bytes, kind));
         }
+    }
+
+    /// A color target's rows, padding included; empty where there is no such target.
+    #[must_use]
+    pub fn color_bytes<'b>(&self, bytes: &'b [u8], location: usize) -> &'b [u8] {
+        self.colors.get(location).copied().flatten().map_or(&[], |segment| segment.slice(bytes))
+    }
+
+    /// The stencil rows, padding included; empty without a stencil aspect.
+    #[must_use]
+    pub fn stencil_bytes<'b>(&self, bytes: &'b [u8]) -> &'b [u8] {
+        self.stencil.map_or(&[], |segment| segment.slice(bytes))
     }
 
     /// The depth codes read back; empty without a depth aspect.

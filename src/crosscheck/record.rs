@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::batch::{DepthSource, Layer};
-use super::shader::{HEADER_WORDS, ShaderKey};
+use super::batch::{DepthSource, Layer, state_reads_second_source};
+use super::shader::{HEADER_WORDS, RecordLayout, RecordShader, Written};
 use crate::fragment::Fragment;
 use crate::target::{Extent, Framebuffer};
 
@@ -23,7 +23,7 @@ pub struct Draw {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prepared {
     /// The shader it needs.
-    pub shader: ShaderKey,
+    pub shader: RecordShader,
     /// Header and records.
     pub words: Vec<u32>,
     /// Draws in order; none when nothing is covered.
@@ -34,12 +34,13 @@ impl Prepared {
     /// Prepares a layer that passed its checks.
     #[must_use]
     pub fn new(layer: &Layer, targets: &Framebuffer) -> Self {
-        let shader = shader_of(layer, targets);
+        let written = written_by(layer, targets);
+        let shader = RecordShader { written, layout: RecordLayout::of(written) };
         let mut words = vec![0; HEADER_WORDS];
         words[0] = targets.extent.width;
-        words.reserve(layer.fragments.len() * shader.quads() * 4);
+        words.reserve(layer.fragments.len() * shader.layout.quads() * 4);
         for fragment in &layer.fragments {
-            push_record(&mut words, layer, shader, fragment);
+            push_record(&mut words, layer, shader.layout, fragment);
         }
         Self { shader, words, draws: draws(layer, targets.extent) }
     }
@@ -50,29 +51,29 @@ fn dies(layer: &Layer, fragment: &Fragment) -> bool {
     fragment.discarded || !layer.state.alpha_test.passes(fragment.outputs[0][3])
 }
 
-fn shader_of(layer: &Layer, targets: &Framebuffer) -> ShaderKey {
+fn written_by(layer: &Layer, targets: &Framebuffer) -> Written {
     let has_depth = targets.depth_stencil.as_ref().is_some_and(|target| target.format().depth().is_some());
     let locations = layer.state.targets.iter().enumerate().filter(|(_, target)| target.is_some());
-    ShaderKey {
+    Written {
         outputs: locations.fold(0, |mask, (location, _)| mask | 1 << location),
-        dual_source: layer.uses_second_source(),
+        dual_source: state_reads_second_source(&layer.state),
         depth: has_depth && layer.depth_source == DepthSource::Shader,
         discard: layer.fragments.iter().any(|fragment| dies(layer, fragment)),
     }
 }
 
-fn push_record(words: &mut Vec<u32>, layer: &Layer, shader: ShaderKey, fragment: &Fragment) {
+fn push_record(words: &mut Vec<u32>, layer: &Layer, layout: RecordLayout, fragment: &Fragment) {
     let before = words.len();
-    for location in shader.locations() {
+    for location in layout.locations() {
         words.extend(fragment.outputs[location].map(f32::to_bits));
     }
-    if shader.dual_source {
+    if layout.second_source {
         words.extend(fragment.src1.map(f32::to_bits));
     }
-    if shader.has_tail() {
+    if layout.tail {
         words.extend([fragment.depth.to_bits(), u32::from(dies(layer, fragment)), 0, 0]);
     }
-    words.resize(before + shader.quads() * 4, 0);
+    words.resize(before + layout.quads() * 4, 0);
 }
 
 /// One triangle over everything where all fragments agree, else one a fragment, grouped by stencil reference.

@@ -2,9 +2,10 @@
 
 use wgpu::DepthStencilState;
 
-pub use super::batch::{Batch, DepthSource, Layer, ReplayError};
+use super::batch::{Batch, Layer, ReplayError, check_targets};
 use super::device::Device;
-use super::painter::{Painter, Ready, pass_through};
+use super::painter::{Painter, Ready};
+use super::pipeline::pass_through;
 use super::readback::Readback;
 use super::upload::{Attachments, seed_depth};
 use crate::fragment::Fragment;
@@ -49,6 +50,16 @@ impl<'a> Replay<'a> {
         readback.fetch(self.device, submission, |bytes| readback.store(bytes, &mut result))?;
         self.kept = Some((attachments, readback));
         Ok(result)
+    }
+
+    /// Textures that hold the bytes of `framebuffer`.
+    pub(super) fn put(mut self, framebuffer: &Framebuffer) -> Result<Attachments, ReplayError> {
+        check_targets(self.device, framebuffer)?;
+        let (attachments, readback) = self.targets(framebuffer);
+        attachments.upload(&self.device.queue, framebuffer);
+        self.seed_depth(framebuffer, &attachments, &readback)?;
+        self.device.check()?;
+        Ok(attachments)
     }
 
     /// The textures of the last batch, if they fit this one.

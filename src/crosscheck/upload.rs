@@ -69,6 +69,15 @@ impl Attachments {
         Self { extent: self.extent, colors: Vec::new(), depth_stencil: self.depth_stencil.clone() }
     }
 
+    /// Records copies of all aspects of textures of the same formats and extent.
+    pub fn copy_from(&self, encoder: &mut wgpu::CommandEncoder, others: &Self) {
+        let ours = self.colors.iter().chain([&self.depth_stencil]).flatten();
+        let theirs = others.colors.iter().chain([&others.depth_stencil]).flatten();
+        for (to, from) in ours.zip(theirs) {
+            encoder.copy_texture_to_texture(from.as_image_copy(), to.as_image_copy(), from.size());
+        }
+    }
+
     /// Copies all initial bytes that can be copied.
     pub fn upload(&self, queue: &wgpu::Queue, framebuffer: &Framebuffer) {
         for (texture, color) in self.colors.iter().zip(&framebuffer.colors) {
