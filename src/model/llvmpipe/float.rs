@@ -90,8 +90,7 @@ pub(super) fn merge(inputs: &ColorInputs) -> Steps {
     let flush = channels[0] == ChannelKind::Float(FloatLayout::SINGLE);
     let (result, equation) = blend(inputs, &operands, Ops { flush });
     let codes = std::array::from_fn(|i| match channels[i] {
-        ChannelKind::Float(FloatLayout::SINGLE) => result[i].to_bits(),
-        ChannelKind::Float(layout) => layout.encode(f64::from(result[i]), Rounding::TowardZero),
+        ChannelKind::Float(layout) => store(layout, result[i]),
         _ => 0,
     });
     Steps {
@@ -103,6 +102,11 @@ pub(super) fn merge(inputs: &ColorInputs) -> Steps {
         result: result.map(f64::from),
         codes,
     }
+}
+
+/// The bits stored for a result: toward zero in small floats, as they are in 32 bits.
+pub(super) fn store(layout: FloatLayout, x: f32) -> u32 {
+    if layout == FloatLayout::SINGLE { x.to_bits() } else { layout.encode(f64::from(x), Rounding::TowardZero) }
 }
 
 /// The driver's equation in binary32; with blending off, the source.

@@ -1,6 +1,6 @@
 //! Normalised targets: integer arithmetic on 8- or 16-bit codes. The source becomes a code before blending.
 
-use wgpu_types::{BlendFactor, BlendOperation};
+use wgpu_types::{BlendFactor, BlendOperation, BlendState};
 
 use super::VectorWidth;
 use super::state::{channel_count, complementary, is_inverted, rewrite};
@@ -33,6 +33,24 @@ impl Width {
         (a + b).min(self.one())
     }
 
+    /// The operation on the two terms, or on the raw codes for min and max.
+    fn combine(
+        self,
+        operation: BlendOperation,
+        src: u32,
+        dst: u32,
+        src_term: impl Fn() -> u32,
+        dst_term: impl Fn() -> u32,
+    ) -> u32 {
+        match operation {
+            BlendOperation::Add => self.saturating_add(src_term(), dst_term()),
+            BlendOperation::Subtract => src_term().saturating_sub(dst_term()),
+            BlendOperation::ReverseSubtract => dst_term().saturating_sub(src_term()),
+            BlendOperation::Min => src.min(dst),
+            BlendOperation::Max => src.max(dst),
+        }
+    }
+
     /// v0 + x (v1 - v0), as the driver interpolates single-channel targets, modulo 2^n.
     fn lerp(self, x: u32, v0: u32, v1: u32) -> u32 {
         let x = i64::from(x + (x >> (self.bits - 1)));
@@ -49,7 +67,7 @@ impl Width {
 /// A shader output or constant as an 8-bit code: min(x, 1) * 255 in binary32, to nearest even, clamped; NaN gives 0.
 ///
 /// Without the min of wide vectors, products beyond the 32-bit integers wrap to the lowest one and clamp to 0.
-pub(super) fn quantize8(x: f32, width: VectorWidth) -> u32 {
+pub fn quantize8(x: f32, width: VectorWidth) -> u32 {
     let bounded = match width {
         // x86 MINPS: the second operand where they do not compare, and NaN converts to the lowest integer below.
         VectorWidth::Bits256 if x > 1.0 => 1.0,
@@ -66,9 +84,21 @@ pub(super) fn quantize8(x: f32, width: VectorWidth) -> u32 {
 
 /// A shader output or constant as a 16-bit code: the low mantissa bits of x * 65535/65536 + 128, whose last place is
 /// 2^-16; NaN gives 0.
-pub(super) fn quantize16(x: f32) -> u32 {
+pub fn quantize16(x: f32) -> u32 {
     let clamped = if x > 0.0 { x.min(1.0) } else { 0.0 };
     (clamped * (65535.0 / 65536.0) + 128.0).to_bits() & 0xffff
+}
+
+/// 8-bit four-channel targets, codes in and codes out: the arithmetic of [`merge8`] without the record of its steps, for
+/// sweeps over every code.
+#[must_use]
+pub fn merge_codes8(state: &BlendState, src: Codes, src1: Codes, constant: Codes, dst: Codes) -> Codes {
+    let operands = Operands { src, src1, constant, dst };
+    std::array::from_fn(|i| {
+        let c = component(state, i);
+        let term = |x, factor| EIGHT.multiply(x, operands.factor(EIGHT, factor, i));
+        EIGHT.combine(c.operation, src[i], dst[i], || term(src[i], c.src_factor), || term(dst[i], c.dst_factor))
+    })
 }
 
 /// 8-bit unorm targets.
@@ -93,11 +123,16 @@ pub(super) fn merge16(inputs: &ColorInputs) -> Steps {
             _ => inputs.dst[i],
         }),
     };
-    merge(SIXTEEN, inputs, &operands, |i, code| match channels[i] {
-        ChannelKind::Unorm(10) => code >> 6,
-        ChannelKind::Unorm(2) => ((code >> 2) * 3 + 8192) >> 14,
+    merge(SIXTEEN, inputs, &operands, |i, code| narrow16(channels[i].bits(), code))
+}
+
+/// A 16-bit code as the driver stores it in a channel of 16, 10 or 2 bits.
+pub(super) fn narrow16(bits: u32, code: u32) -> u32 {
+    match bits {
+        10 => code >> 6,
+        2 => ((code >> 2) * 3 + 8192) >> 14,
         _ => code,
-    })
+    }
 }
 
 /// What the equation reads, as codes of the width.
@@ -160,17 +195,14 @@ fn merge(width: Width, inputs: &ColorInputs, operands: &Operands, store: impl Fn
                 if !matches!(c.operation, BlendOperation::Min | BlendOperation::Max) {
                     terms = Some((f64::from(s), f64::from(d)));
                 }
-                match c.operation {
-                    BlendOperation::Add => {
-                        (width.saturating_add(s, d), "S Fs + D Fd, each product rounded, saturating")
-                    }
-                    BlendOperation::Subtract => (s.saturating_sub(d), "S Fs - D Fd, each product rounded, saturating"),
-                    BlendOperation::ReverseSubtract => {
-                        (d.saturating_sub(s), "D Fd - S Fs, each product rounded, saturating")
-                    }
-                    BlendOperation::Min => (src.min(dst), "min(S, D)"),
-                    BlendOperation::Max => (src.max(dst), "max(S, D)"),
-                }
+                let rule = match c.operation {
+                    BlendOperation::Add => "S Fs + D Fd, each product rounded, saturating",
+                    BlendOperation::Subtract => "S Fs - D Fd, each product rounded, saturating",
+                    BlendOperation::ReverseSubtract => "D Fd - S Fs, each product rounded, saturating",
+                    BlendOperation::Min => "min(S, D)",
+                    BlendOperation::Max => "max(S, D)",
+                };
+                (width.combine(c.operation, src, dst, || s, || d), rule)
             };
             equation[i] =
                 Some(Equation { src_factor: f64::from(src_factor), dst_factor: f64::from(dst_factor), terms, rule });

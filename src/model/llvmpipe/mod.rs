@@ -51,6 +51,19 @@ pub struct Llvmpipe {
 }
 
 impl Llvmpipe {
+    /// The code an unblended channel stores for a shader output: the store alone, for sweeps over every `f32`.
+    #[must_use]
+    pub fn store(self, kind: ChannelKind, x: f32) -> u32 {
+        match kind {
+            ChannelKind::Absent => 0,
+            ChannelKind::Srgb => srgb::encode(srgb::clamp_unit(x)),
+            ChannelKind::Unorm(8) => integer::quantize8(x, self.vector_width),
+            ChannelKind::Unorm(bits) => integer::narrow16(bits, integer::quantize16(x)),
+            ChannelKind::Snorm(bits) => snorm::store_code(x, bits),
+            ChannelKind::Float(layout) => float::store(layout, x),
+        }
+    }
+
     /// Every intermediate number and the codes.
     fn run(self, inputs: &ColorInputs) -> steps::Steps {
         let format = inputs.format;
@@ -109,5 +122,62 @@ impl NumericModel for Llvmpipe {
             ChannelKind::Float(layout) if !layout.signed && layout.is_nan(codes[i]) => layout.nan(),
             _ => codes[i],
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use wgpu_types::TextureFormat;
+
+    use super::*;
+    use crate::format::layout::FORMATS;
+
+    #[test]
+    fn the_store_alone_is_what_an_unblended_draw_stores() {
+        let model = Llvmpipe::default();
+        for (name, texture_format) in FORMATS {
+            let format = ColorFormat::new(texture_format).expect("listed");
+            for bits in (0..=u32::MAX).step_by(65_521) {
+                let x = f32::from_bits(bits);
+                let inputs =
+                    ColorInputs { format, blend: None, constant: [0.0; 4], src: [x; 4], src1: [0.0; 4], dst: [0; 4] };
+                let expected = model.merge_color(&inputs);
+                assert_eq!(format.channels().map(|kind| model.store(kind, x)), expected, "{name}, {bits:#x}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_lean_8_bit_path_is_the_model() {
+        use crate::state::spelling::{blend_factors, blend_operations};
+        let format = ColorFormat::new(TextureFormat::Rgba8Unorm).expect("known");
+        let model = Llvmpipe::default();
+        let mut x = 1_u32;
+        let mut codes = || {
+            x = x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            x.to_le_bytes().map(u32::from)
+        };
+        let output = |codes: Codes| codes.map(|code| crate::model::binary32::narrow(f64::from(code) / 255.0));
+        for src_factor in blend_factors() {
+            for dst_factor in blend_factors() {
+                for operation in blend_operations() {
+                    let c = wgpu_types::BlendComponent { src_factor, dst_factor, operation };
+                    let state = BlendState { color: c, alpha: c };
+                    for _ in 0..64 {
+                        let (src, src1, constant, dst) = (codes(), codes(), codes(), codes());
+                        let inputs = ColorInputs {
+                            format,
+                            blend: Some(state),
+                            constant: output(constant),
+                            src: output(src),
+                            src1: output(src1),
+                            dst,
+                        };
+                        let lean = integer::merge_codes8(&state, src, src1, constant, dst);
+                        assert_eq!(lean, model.merge_color(&inputs), "{state:?} {inputs:?}");
+                    }
+                }
+            }
+        }
     }
 }

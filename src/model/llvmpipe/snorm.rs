@@ -11,7 +11,7 @@ use crate::model::ColorInputs;
 pub(super) fn store(inputs: &ColorInputs) -> Steps {
     let channels = inputs.format.channels();
     let code = |i: usize| match channels[i] {
-        ChannelKind::Snorm(bits) => snorm::stored_code(quantize(inputs.src[i], bits), bits),
+        ChannelKind::Snorm(bits) => store_code(inputs.src[i], bits),
         _ => 0,
     };
     Steps {
@@ -23,6 +23,11 @@ pub(super) fn store(inputs: &ColorInputs) -> Steps {
         result: inputs.src.map(f64::from),
         codes: std::array::from_fn(code),
     }
+}
+
+/// The bits stored for a shader output.
+pub(super) fn store_code(x: f32, bits: u32) -> u32 {
+    snorm::stored_code(quantize(x, bits), bits)
 }
 
 /// The signed code of a shader output.

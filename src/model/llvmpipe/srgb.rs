@@ -39,7 +39,7 @@ pub(super) fn merge(inputs: &ColorInputs) -> Steps {
 }
 
 /// Clamped to [0, 1]; NaN gives 0.
-fn clamp_unit(x: f32) -> f32 {
+pub(super) fn clamp_unit(x: f32) -> f32 {
     if x > 0.0 { x.min(1.0) } else { 0.0 }
 }
 
