@@ -1,3 +1,5 @@
+mod example;
+mod property;
 mod technique;
 
 use wgpu_types::BlendFactor;

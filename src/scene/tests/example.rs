@@ -1,0 +1,39 @@
+//! The scene in `examples/scenes` and its picture.
+
+use std::path::PathBuf;
+
+use super::*;
+use crate::scene::texture::pattern::PatternImage;
+use crate::scene::texture::{ColorSpace, Pattern, png};
+
+fn folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("examples/scenes")
+}
+
+/// The picture is the leaf pattern; `OUTMERGE_BLESS=1 cargo test --all-features leaf_png` writes it anew.
+#[test]
+fn leaf_png_is_the_leaf_pattern() {
+    let leaf = PatternImage {
+        pattern: Pattern::Leaf,
+        size: [32, 32],
+        colors: [[0.35, 0.65, 0.2, 1.0], [0.8, 0.9, 0.5, 1.0]],
+        cells: 1,
+    };
+    let path = folder().join("leaf.png");
+    if std::env::var_os("OUTMERGE_BLESS").is_some() {
+        let rgba = (0..32).flat_map(|y| (0..32).flat_map(move |x| leaf.codes(x, y))).collect();
+        let png = Picture { width: 32, height: 32, rgba }.to_png().expect("a small picture");
+        std::fs::write(&path, png).expect("the examples folder is writable");
+    }
+    let expected = leaf.draw(ColorSpace::Srgb).expect("32 x 32 is legal");
+    assert_eq!(png::load(&path, ColorSpace::Srgb).expect("the file is there"), expected, "{}", path.display());
+}
+
+#[test]
+fn the_example_scene_finds_its_picture_and_shows_it() {
+    let scene = Scene::load(&folder().join("png-leaf.toml")).unwrap_or_else(|error| panic!("{error}"));
+    let rendered = exact(&scene);
+    let [red, green, blue, alpha] = texel(&rendered, 64, 40);
+    assert!(green > red && green > blue && alpha == 255, "green in the middle: {red} {green} {blue}");
+    assert_eq!(texel(&rendered, 8, 8), texel(&rendered, 0, 0), "a corner of the quad is cut out");
+}
