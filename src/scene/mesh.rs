@@ -101,6 +101,19 @@ impl Mesh {
         self.faces.push((start..start + 4).collect());
     }
 
+    /// A triangle by position, normal and texture coordinates; missing normals are the triangle's own, and one without
+    /// area is left out.
+    #[cfg(feature = "meshes")]
+    pub(super) fn push_triangle(&mut self, corners: [(DVec3, Option<DVec3>, DVec2); 3]) {
+        let [a, b, c] = corners.map(|(position, ..)| position);
+        let Some(across) = (b - a).cross(c - a).try_normalize() else { return };
+        let start = u32::try_from(self.vertices.len()).unwrap_or(u32::MAX);
+        for (position, normal, uv) in corners {
+            self.vertices.push(MeshVertex { position, normal: normal.unwrap_or(across), uv });
+        }
+        self.faces.push(vec![start, start + 1, start + 2]);
+    }
+
     /// The faces as triangles, fanned from each face's first vertex.
     pub fn triangles(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
         self.faces.iter().flat_map(|face| {

@@ -11,6 +11,7 @@ pub mod description;
 pub mod display;
 pub mod draw;
 pub mod file;
+pub mod import;
 pub mod layer;
 pub mod material;
 pub mod mesh;

@@ -9,6 +9,7 @@ use super::build::{built_in_meshes, point};
 use super::check::{at_most, distinct, finite, named, within};
 use super::error::{Fault, FieldPath};
 use super::schema::{FileMaterial, FileMesh, FilePass, FileQueue, FileTexture};
+use crate::scene::import;
 use crate::scene::material::{Material, Pass, Shader, Shading};
 use crate::scene::mesh::{MAX_VERTICES, Mesh, MeshVertex};
 use crate::scene::queue::RenderQueue;
@@ -22,11 +23,11 @@ const DEFAULT_CUTOFF: f32 = 0.5;
 const MAX_PASSES: usize = 16;
 
 /// Built-in meshes and those of the file, with their names.
-pub(super) fn meshes(files: &[FileMesh], field: &FieldPath) -> Result<(Vec<String>, Vec<Mesh>), Fault> {
+pub(super) fn meshes(files: &[FileMesh], field: &FieldPath, folder: &Path) -> Result<(Vec<String>, Vec<Mesh>), Fault> {
     let (mut names, mut meshes): (Vec<_>, Vec<_>) =
         built_in_meshes().into_iter().map(|(name, mesh)| (name.to_owned(), mesh)).unzip();
     for (i, file) in files.iter().enumerate() {
-        meshes.push(mesh(file, &field.index(i))?);
+        meshes.push(mesh(file, &field.index(i), folder)?);
         if names.contains(&file.name) {
             return Err(Fault::new(&field.index(i).key("name"), format!("`{}` is defined twice", file.name)));
         }
@@ -35,11 +36,14 @@ pub(super) fn meshes(files: &[FileMesh], field: &FieldPath) -> Result<(Vec<Strin
     Ok((names, meshes))
 }
 
-fn mesh(file: &FileMesh, field: &FieldPath) -> Result<Mesh, Fault> {
-    match (file.sphere_segments, file.faces.is_empty()) {
-        (Some(segments), true) => Ok(Mesh::sphere(within(&field.key("sphere-segments"), segments, 4..=512)?)),
-        (None, false) => faces(file, field),
-        _ => Err(Fault::new(field, "give either `sphere-segments`, or `positions` and `faces`")),
+fn mesh(file: &FileMesh, field: &FieldPath, folder: &Path) -> Result<Mesh, Fault> {
+    match (file.sphere_segments, &file.file, file.faces.is_empty()) {
+        (Some(segments), None, true) => Ok(Mesh::sphere(within(&field.key("sphere-segments"), segments, 4..=512)?)),
+        (None, Some(name), true) => {
+            import::load_mesh(&folder.join(name)).map_err(|error| Fault::new(&field.key("file"), error))
+        }
+        (None, None, false) => faces(file, field),
+        _ => Err(Fault::new(field, "give one of `sphere-segments`, `file`, or `positions` and `faces`")),
     }
 }
 

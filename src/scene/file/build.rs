@@ -8,11 +8,12 @@ use wgpu_types::TextureFormat;
 use super::appearance;
 use super::check::{at_most, distinct, finite, named, positive, within};
 use super::error::{Fault, FieldPath};
-use super::schema::{FileCamera, FileColor, FileLight, FileObject, FileScene, FileTarget};
+use super::schema::{FileCamera, FileColor, FileLight, FileModel, FileObject, FileScene, FileTarget};
 use crate::format::{ColorFormat, DepthFormat};
 use crate::scene::camera::{Camera, Projection};
 use crate::scene::description::{ColorSpec, DepthSpec, Object, Output, Replacement, Scene, TargetSpec};
-use crate::scene::material::{Light, Lighting};
+use crate::scene::import;
+use crate::scene::material::{Light, Lighting, Material};
 use crate::scene::mesh::Mesh;
 use crate::state::MAX_COLOR_TARGETS;
 use crate::target::{Extent, MAX_DIMENSION};
@@ -32,13 +33,14 @@ pub(super) fn build(file: &FileScene, folder: &Path) -> Result<Scene, Fault> {
         ("texture", file.texture.len()),
         ("mesh", file.mesh.len()),
         ("material", file.material.len()),
+        ("model", file.model.len()),
     ] {
         at_most(&root.key(section), count, MAX_ENTRIES)?;
     }
     at_most(&root.key("object"), file.object.len(), MAX_OBJECTS)?;
     let lights = file.light.iter().enumerate().map(|(i, file)| light(file, &root.key("light").index(i)));
     let ambient = Vec3::from(finite(&root.key("ambient"), file.ambient)?);
-    let (mesh_names, meshes) = appearance::meshes(&file.mesh, &root.key("mesh"))?;
+    let (mesh_names, meshes) = appearance::meshes(&file.mesh, &root.key("mesh"), folder)?;
     let textures = appearance::textures(&file.texture, &root.key("texture"), folder)?;
     let materials = appearance::materials(&file.material, &file.texture, &root.key("material"))?;
     let mut scene = Scene {
@@ -59,6 +61,10 @@ pub(super) fn build(file: &FileScene, folder: &Path) -> Result<Scene, Fault> {
         let object = self::object(object, i, &root.key("object").index(i), &mesh_names, &scene)?;
         scene.objects.push(object);
     }
+    for (i, model) in file.model.iter().enumerate() {
+        self::model(model, &root.key("model").index(i), folder, &mut scene)?;
+    }
+    at_most(&root.key("model"), scene.objects.len(), MAX_OBJECTS)?;
     distinct(&root.key("object"), scene.objects.iter().map(|object| object.name.as_str()))?;
     if let Some(replacement) = &file.replacement {
         scene.replacement = Some(Replacement {
@@ -184,17 +190,49 @@ fn object(
     let mesh = named(&field.key("mesh"), "mesh", &file.mesh, mesh_names.iter().map(String::as_str))?;
     let materials = scene.materials.iter().map(|material| material.name.as_str());
     let material = named(&field.key("material"), "material", &file.material, materials)?;
-    let position = point(&field.key("position"), file.position.unwrap_or_default())?;
-    let scale = point(&field.key("scale"), file.scale.unwrap_or([1.0; 3]))?;
-    let [x, y, z] = finite(&field.key("rotation"), file.rotation.unwrap_or_default())?.map(f64::to_radians);
+    let transform = transform(field, file.position, file.rotation, file.scale)?;
+    let name = file.name.clone().unwrap_or_else(|| format!("{} {index}", file.mesh));
+    Ok(Object { name, mesh, material, transform })
+}
+
+/// Scale, then rotation, then position.
+fn transform(
+    field: &FieldPath,
+    position: Option<[f64; 3]>,
+    rotation: Option<[f64; 3]>,
+    scale: Option<[f64; 3]>,
+) -> Result<DAffine3, Fault> {
+    let position = point(&field.key("position"), position.unwrap_or_default())?;
+    let scale = point(&field.key("scale"), scale.unwrap_or([1.0; 3]))?;
+    let [x, y, z] = finite(&field.key("rotation"), rotation.unwrap_or_default())?.map(f64::to_radians);
     // About x first, then y, then z: the matrix product z y x.
     let rotation = DQuat::from_euler(EulerRot::ZYX, z, y, x);
     let transform = DAffine3::from_scale_rotation_translation(scale, rotation, position);
     if transform.matrix3.determinant() == 0.0 {
         return Err(Fault::new(&field.key("scale"), "must not be zero in any direction"));
     }
-    let name = file.name.clone().unwrap_or_else(|| format!("{} {index}", file.mesh));
-    Ok(Object { name, mesh, material, transform })
+    Ok(transform)
+}
+
+/// Adds what a model file holds to the scene.
+fn model(file: &FileModel, field: &FieldPath, folder: &Path, scene: &mut Scene) -> Result<(), Fault> {
+    let place = transform(field, file.position, file.rotation, file.scale)?;
+    let model = import::load_model(&folder.join(&file.file)).map_err(|error| Fault::new(&field.key("file"), error))?;
+    let (textures, meshes, materials) = (scene.textures.len(), scene.meshes.len(), scene.materials.len());
+    scene.textures.extend(model.textures);
+    scene.meshes.extend(model.meshes);
+    scene.materials.extend(model.materials.into_iter().map(|material| Material {
+        name: format!("{}: {}", file.name, material.name),
+        texture: material.texture.map(|i| i + textures),
+        ..material
+    }));
+    scene.objects.extend(model.objects.into_iter().map(|object| Object {
+        name: format!("{}: {}", file.name, object.name),
+        mesh: object.mesh + meshes,
+        material: object.material + materials,
+        transform: place * object.transform,
+    }));
+    Ok(())
 }
 
 /// A point or vector of a sensible size.

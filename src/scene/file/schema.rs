@@ -37,6 +37,8 @@ pub(super) struct FileScene {
     #[serde(default)]
     pub(super) object: Vec<FileObject>,
     #[serde(default)]
+    pub(super) model: Vec<FileModel>,
+    #[serde(default)]
     pub(super) order: Order,
     pub(super) replacement: Option<FileReplacement>,
 }
@@ -123,12 +125,14 @@ pub(super) struct FileTexture {
     pub(super) mips: Option<MipmapFilterMode>,
 }
 
-/// `[[mesh]]`: a sphere with another number of segments, or faces by their corners.
+/// `[[mesh]]`: a sphere with another number of segments, faces by their corners, or an OBJ file.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub(super) struct FileMesh {
     pub(super) name: String,
     pub(super) sphere_segments: Option<u32>,
+    /// An OBJ file, relative to the scene's.
+    pub(super) file: Option<String>,
     #[serde(default)]
     pub(super) positions: Vec<[f64; 3]>,
     #[serde(default)]
@@ -182,6 +186,18 @@ pub(super) struct FileObject {
     pub(super) material: String,
     pub(super) position: Option<[f64; 3]>,
     /// Degrees about x, y and z, applied in that order.
+    pub(super) rotation: Option<[f64; 3]>,
+    pub(super) scale: Option<[f64; 3]>,
+}
+
+/// `[[model]]`: a glTF file with its materials, as objects.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub(super) struct FileModel {
+    pub(super) name: String,
+    /// A `.gltf` or `.glb` file, relative to the scene's.
+    pub(super) file: String,
+    pub(super) position: Option<[f64; 3]>,
     pub(super) rotation: Option<[f64; 3]>,
     pub(super) scale: Option<[f64; 3]>,
 }

@@ -37,3 +37,17 @@ fn the_example_scene_finds_its_picture_and_shows_it() {
     assert!(green > red && green > blue && alpha == 255, "green in the middle: {red} {green} {blue}");
     assert_eq!(texel(&rendered, 8, 8), texel(&rendered, 0, 0), "a corner of the quad is cut out");
 }
+
+#[cfg(feature = "meshes")]
+#[test]
+fn models_from_obj_and_gltf_files_are_drawn_in_the_modes_they_ask_for() {
+    let scene = Scene::load(&folder().join("gltf-model.toml")).unwrap_or_else(|error| panic!("{error}"));
+    let rendered = exact(&scene);
+    let order: Vec<_> = rendered.draws.iter().map(|draw| (draw.object.as_str(), draw.queue)).collect();
+    assert_eq!(order, [("pyramid", 2000), ("leaf: leaf 0", 2450)], "alphaMode MASK is Cutout");
+    let mut fates = [0, 0];
+    scene.shade(&scene.draws()[1], None, |fragments| {
+        fragments.iter().for_each(|pixel| fates[usize::from(pixel.fragment.discarded)] += 1);
+    });
+    assert!(fates.iter().all(|&count| count > 200), "the leaf is cut out of its quad: {fates:?}");
+}
