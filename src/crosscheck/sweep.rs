@@ -129,7 +129,7 @@ impl<'a> Sweep<'a> {
     /// [`ReplayError`]: targets the device cannot draw to, a width that is no multiple of [`WIDTH_MULTIPLE`], initial
     /// depth codes that cannot be drawn, or a fault of the device.
     pub fn new(device: &'a Device, destination: Framebuffer) -> Result<Self, ReplayError> {
-        if destination.extent.width % WIDTH_MULTIPLE != 0 {
+        if !destination.extent.width.is_multiple_of(WIDTH_MULTIPLE) {
             return Err(ReplayError::SweepWidth { width: destination.extent.width, multiple: WIDTH_MULTIPLE });
         }
         let gpu = &device.device;

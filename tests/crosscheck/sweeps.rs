@@ -74,16 +74,25 @@ fn a_sweep_over_states_equals_the_replay_of_each() {
 #[test]
 fn programs_compute_on_the_device_what_they_compute_on_the_host() {
     let Some(device) = device() else { return };
-    let state = single(T::Rgba32Float, None);
+    let mut state = single(T::Rgba32Float, None);
+    state.targets.push(state.targets[0].clone());
     let mut sweep = Sweep::new(device, targets(&state, WIDTH, HEIGHT, |_| vec![0; 16])).expect("a sweep");
     let table: Vec<f32> = (0..300_u16).map(|k| f32::from(k) / 255.0).collect();
     let program = Program {
-        outputs: vec![[
-            Input::Number { stride: 4, add: 0x7f80_0001 },
-            Input::Table { divisor: 256, modulus: 86, add: 172 },
-            Input::Table { divisor: 3, modulus: 1000, add: 0 },
-            Input::Bits(0xffc0_1234),
-        ]],
+        outputs: vec![
+            [
+                Input::Number { stride: 4, add: 0x7f80_0001 },
+                Input::Table { divisor: 256, modulus: 86, add: 172 },
+                Input::Table { divisor: 3, modulus: 1000, add: 0 },
+                Input::Bits(0xffc0_1234),
+            ],
+            [
+                Input::Unorm8 { divisor: 1, modulus: 256, add: 0 },
+                Input::Unorm8 { divisor: 5, modulus: 86, add: 172 },
+                Input::Unorm8 { divisor: 256, modulus: 256, add: 1 },
+                Input::Bits(0),
+            ],
+        ],
         second_source: None,
         depth: None,
     };
@@ -92,10 +101,12 @@ fn programs_compute_on_the_device_what_they_compute_on_the_host() {
     let jobs = firsts.map(|first| Job { first, destination: Destination::LeftOver, ..job(&state, &fragments) });
     sweep
         .run(jobs, |number, outcome| {
-            for (texel, got) in (0..TEXELS).zip(outcome.color(0).chunks_exact(16)) {
-                let n = firsts[number].wrapping_add(texel);
-                let wanted = program.fragment(n, &table).outputs[0].map(f32::to_le_bytes).concat();
-                assert_eq!(got, wanted, "texel number {n}");
+            for location in [0, 1] {
+                for (texel, got) in (0..TEXELS).zip(outcome.color(location).chunks_exact(16)) {
+                    let n = firsts[number].wrapping_add(texel);
+                    let wanted = program.fragment(n, &table).outputs[location].map(f32::to_le_bytes).concat();
+                    assert_eq!(got, wanted, "texel number {n}, location {location}");
+                }
             }
             ControlFlow::Continue(())
         })
