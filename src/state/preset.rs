@@ -11,7 +11,7 @@ pub struct Preset {
     pub blend: Option<BlendState>,
     /// Whether depth is written with it by convention.
     pub depth_write: bool,
-    /// What engines call it: `Engine: name`.
+    /// What engines call it: `Engine: name`, perhaps with a remark after a semicolon.
     pub known_as: &'static [&'static str],
     /// What it does, in a sentence.
     pub about: &'static str,
@@ -28,7 +28,7 @@ const fn same(src_factor: F, dst_factor: F, operation: O) -> Option<BlendState> 
 }
 
 /// Every preset.
-pub const PRESETS: [Preset; 12] = [
+pub const PRESETS: [Preset; 18] = [
     Preset {
         name: "opaque",
         blend: None,
@@ -47,35 +47,54 @@ pub const PRESETS: [Preset; 12] = [
         name: "fade",
         blend: same(F::SrcAlpha, F::OneMinusSrcAlpha, O::Add),
         depth_write: false,
-        known_as: &["Unity: Fade", "GL tutorials: SRC_ALPHA, ONE_MINUS_SRC_ALPHA"],
+        known_as: &["Unity: Fade", "Unity: Particles/Alpha Blended"],
         about: "Straight alpha; one equation for color and alpha, which squares the source alpha in the target's.",
     },
     Preset {
         name: "alpha-blending",
         blend: Some(BlendState::ALPHA_BLENDING),
         depth_write: false,
-        known_as: &["wgpu: ALPHA_BLENDING", "Bevy: AlphaMode::Blend", "Godot: blend_mix", "three.js: NormalBlending"],
+        known_as: &[
+            "wgpu: ALPHA_BLENDING",
+            "Bevy: AlphaMode::Blend",
+            "Godot: blend_mix",
+            "three.js: NormalBlending",
+            "glTF: BLEND",
+        ],
         about: "Straight alpha with a correct alpha channel: Blend SrcAlpha OneMinusSrcAlpha, One OneMinusSrcAlpha.",
     },
     Preset {
         name: "transparent",
         blend: Some(BlendState::PREMULTIPLIED_ALPHA_BLENDING),
         depth_write: false,
-        known_as: &["Unity: Transparent", "Bevy: AlphaMode::Premultiplied", "Godot: blend_premul_alpha"],
+        known_as: &[
+            "Unity: Transparent",
+            "Bevy: AlphaMode::Premultiplied",
+            "Bevy: AlphaMode::Add; its shader writes alpha 0",
+            "Godot: blend_premul_alpha",
+        ],
         about: "Premultiplied alpha: Blend One OneMinusSrcAlpha.",
     },
     Preset {
         name: "premultiplied",
         blend: Some(BlendState::PREMULTIPLIED_ALPHA_BLENDING),
         depth_write: false,
-        known_as: &["wgpu: PREMULTIPLIED_ALPHA_BLENDING", "three.js: premultipliedAlpha + NormalBlending"],
+        known_as: &[
+            "wgpu: PREMULTIPLIED_ALPHA_BLENDING",
+            "Unity: Particles/Alpha Blended Premultiply",
+            "three.js: NormalBlending + premultipliedAlpha",
+        ],
         about: "The same state as transparent.",
     },
     Preset {
         name: "additive",
         blend: same(F::One, F::One, O::Add),
         depth_write: false,
-        known_as: &["wgpu: ADDITIVE", "Unity: Particles/Additive (premultiplied)", "Unity: light pass"],
+        known_as: &[
+            "wgpu: ADDITIVE",
+            "Unity: ForwardAdd; the light pass of opaque materials",
+            "three.js: AdditiveBlending + premultipliedAlpha",
+        ],
         about: "Adds the source: Blend One One.",
     },
     Preset {
@@ -85,8 +104,7 @@ pub const PRESETS: [Preset; 12] = [
         known_as: &[
             "Unity: Particles/Additive",
             "Godot: blend_add",
-            "three.js: AdditiveBlending",
-            "Bevy: AlphaMode::Add",
+            "three.js: AdditiveBlending; newer releases add alpha unscaled",
         ],
         about: "Adds the source scaled by its alpha: Blend SrcAlpha One.",
     },
@@ -98,37 +116,85 @@ pub const PRESETS: [Preset; 12] = [
         about: "Adds less where the destination is bright: Blend OneMinusDstColor One.",
     },
     Preset {
+        name: "screen",
+        blend: same(F::One, F::OneMinusSrc, O::Add),
+        depth_write: false,
+        known_as: &["Unity: Particles/Additive (Soft)"],
+        about: "Multiplies the complements: Blend One OneMinusSrcColor.",
+    },
+    Preset {
         name: "multiply",
         blend: same(F::Dst, F::Zero, O::Add),
         depth_write: false,
-        known_as: &[
-            "Unity: multiplicative",
-            "Godot: blend_mul",
-            "three.js: MultiplyBlending",
-            "Bevy: AlphaMode::Multiply",
-        ],
+        known_as: &["Unity: multiplicative", "Godot: blend_mul"],
         about: "Multiplies: Blend DstColor Zero.",
+    },
+    Preset {
+        name: "modulate",
+        blend: same(F::Zero, F::Src, O::Add),
+        depth_write: false,
+        known_as: &["Unity: Particles/Multiply", "three.js: MultiplyBlending"],
+        about: "Multiplies, the destination scaled by the source: Blend Zero SrcColor.",
+    },
+    Preset {
+        name: "multiply-premultiplied",
+        blend: Some(BlendState {
+            color: component(F::Dst, F::OneMinusSrcAlpha, O::Add),
+            alpha: component(F::One, F::OneMinusSrcAlpha, O::Add),
+        }),
+        depth_write: false,
+        known_as: &["Bevy: AlphaMode::Multiply"],
+        about: "Multiplies by a premultiplied source where it covers: Blend DstColor OneMinusSrcAlpha, One OneMinusSrcAlpha.",
     },
     Preset {
         name: "multiply-2x",
         blend: same(F::Dst, F::Src, O::Add),
         depth_write: false,
-        known_as: &["Unity: 2x multiplicative"],
+        known_as: &["Unity: 2x multiplicative", "Unity: Particles/Multiply (Double)"],
         about: "Multiplies and doubles: Blend DstColor SrcColor.",
     },
     Preset {
         name: "subtractive",
         blend: same(F::SrcAlpha, F::One, O::ReverseSubtract),
         depth_write: false,
-        known_as: &["Godot: blend_sub", "three.js: SubtractiveBlending (nearest)"],
+        known_as: &["Godot: blend_sub"],
         about: "Subtracts the source scaled by its alpha: BlendOp RevSub, Blend SrcAlpha One.",
+    },
+    Preset {
+        name: "inverse-multiply",
+        blend: same(F::Zero, F::OneMinusSrc, O::Add),
+        depth_write: false,
+        known_as: &["three.js: SubtractiveBlending"],
+        about: "Multiplies by one minus the source: Blend Zero OneMinusSrcColor.",
+    },
+    Preset {
+        name: "lighten",
+        blend: same(F::One, F::One, O::Max),
+        depth_write: false,
+        known_as: &["GL: GL_MAX"],
+        about: "The larger of source and destination, channel by channel: BlendOp Max.",
+    },
+    Preset {
+        name: "darken",
+        blend: same(F::One, F::One, O::Min),
+        depth_write: false,
+        known_as: &["GL: GL_MIN"],
+        about: "The smaller of source and destination, channel by channel: BlendOp Min.",
     },
 ];
 
-/// The preset with this name, in any case.
+/// The preset an engine's name stands for, `Godot: blend_mul` or `blend_mul`, or the preset with this name; in any case.
 #[must_use]
 pub fn by_name(name: &str) -> Option<&'static Preset> {
-    PRESETS.iter().find(|preset| preset.name.eq_ignore_ascii_case(name))
+    let own = PRESETS.iter().find(|preset| preset.name.eq_ignore_ascii_case(name));
+    own.or_else(|| PRESETS.iter().find(|preset| preset.known_as.iter().any(|known| is_alias(known, name))))
+}
+
+/// Whether `name` is this `Engine: name; remark`, with or without the engine, without the remark.
+fn is_alias(known: &str, name: &str) -> bool {
+    let full = known.split("; ").next().unwrap_or(known);
+    let short = full.split_once(": ").map_or(full, |(_, short)| short);
+    name.eq_ignore_ascii_case(full) || name.eq_ignore_ascii_case(short)
 }
 
 #[cfg(test)]
@@ -141,5 +207,28 @@ mod tests {
             assert_eq!(by_name(preset.name), Some(&PRESETS[i]), "{}", preset.name);
         }
         assert_eq!(by_name("no such preset"), None, "unknown");
+    }
+
+    #[test]
+    fn every_engine_name_stands_for_one_preset() {
+        for preset in &PRESETS {
+            for known in preset.known_as {
+                let full = known.split("; ").next().expect("split yields one part");
+                let (_, short) = full.split_once(": ").unwrap_or_else(|| panic!("{known}: engine, colon, name"));
+                for name in [full, short, &short.to_uppercase()] {
+                    assert_eq!(by_name(name).map(|found| found.name), Some(preset.name), "{name}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn presets_pass_validation() {
+        for preset in &PRESETS {
+            let format = wgpu_types::TextureFormat::Rgba8Unorm;
+            let target = wgpu_types::ColorTargetState { blend: preset.blend, ..format.into() };
+            let state = crate::state::MergerState::single(target);
+            assert_eq!(crate::state::validate::validate(&state), Ok(vec![]), "{}", preset.name);
+        }
     }
 }
