@@ -65,6 +65,7 @@ pub struct Readback {
     bytes: u64,
     buffer: Buffer,
     loader: Option<DepthLoader>,
+    depth24: Depth24Load,
 }
 
 impl Readback {
@@ -100,7 +101,7 @@ impl Readback {
             usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        Self { colors, depth, stencil, bytes, buffer, loader }
+        Self { colors, depth, stencil, bytes, buffer, loader, depth24: Depth24Load::of(device) }
     }
 
     /// Bytes read back, padding included.
@@ -186,7 +187,7 @@ impl Readback {
             DepthKind::Unorm(16) => {
                 bytes.chunks_exact(2).map(|pair| u32::from(u16::from_le_bytes([pair[0], pair[1]]))).collect()
             }
-            DepthKind::Unorm(_) => words().map(depth24_code).collect(),
+            DepthKind::Unorm(_) => words().map(|bits| self.depth24.code(bits)).collect(),
             DepthKind::Float32 => words().collect(),
         }
     }
@@ -316,17 +317,67 @@ impl DepthLoader {
     }
 }
 
-/// The 24-bit code whose value, loaded as binary32, has these bits.
-fn depth24_code(bits: u32) -> u32 {
-    let value = f64::from(f32::from_bits(bits)) * f64::from(0x00ff_ffff_u32);
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "in [0, 2^24), checked by the clamp")]
-    fn to_code(x: f64) -> u32 {
-        x as u32
+/// How a driver turns a 24-bit depth code c into the binary32 number a shader loads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Depth24Load {
+    /// c / (2^24 - 1), rounded well enough to tell codes apart.
+    Divides,
+    /// c times the binary32 number next to 1 / (2^24 - 1), as llvmpipe does: up to one code too large. All codes differ
+    /// but the last two, which both load as 1 (measured: Mesa 22.3.6).
+    Multiplies,
+}
+
+impl Depth24Load {
+    const STEPS: f32 = 16_777_215.0;
+
+    fn of(device: &wgpu::Device) -> Self {
+        if device.adapter_info().name.contains("llvmpipe") { Self::Multiplies } else { Self::Divides }
     }
-    to_code((value + 0.5).floor().clamp(0.0, 16_777_215.0))
+
+    /// The code that loads as these bits; of two the larger.
+    fn code(self, bits: u32) -> u32 {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "in [0, 2^24), checked by the clamp"
+        )]
+        fn to_code(x: f64) -> u32 {
+            x as u32
+        }
+        #[expect(clippy::cast_precision_loss, reason = "24 bits are exact in binary32")]
+        fn multiplied(code: u32) -> f32 {
+            code as f32 * (1.0 / Depth24Load::STEPS)
+        }
+        let loaded = f32::from_bits(bits);
+        let nearest = to_code((f64::from(loaded) * f64::from(Self::STEPS) + 0.5).floor().clamp(0.0, 16_777_215.0));
+        match self {
+            Self::Divides => nearest,
+            Self::Multiplies => {
+                let candidates = [nearest, nearest.saturating_sub(1)];
+                candidates.into_iter().find(|&code| multiplied(code).to_bits() == bits).unwrap_or(nearest)
+            }
+        }
+    }
 }
 
 /// Buffer sizes fit the address space they are mapped into.
 fn to_usize(x: u64) -> usize {
     usize::try_from(x).expect("a mapped buffer fits the address space")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_24_bit_code_survives_loading_but_the_last_two_that_load_alike() {
+        for code in (0..0x00ff_ffff_u32).step_by(101).chain(0x00ff_ff00..0x0100_0000) {
+            #[expect(clippy::cast_precision_loss, reason = "24 bits are exact in binary32")]
+            let exact = code as f32;
+            let multiplied = exact * (1.0 / Depth24Load::STEPS);
+            let expected = if code == 0x00ff_fffe { 0x00ff_ffff } else { code };
+            assert_eq!(Depth24Load::Multiplies.code(multiplied.to_bits()), expected, "multiplied");
+            assert_eq!(Depth24Load::Divides.code((exact / Depth24Load::STEPS).to_bits()), code, "divided");
+        }
+    }
 }

@@ -23,6 +23,17 @@ pub fn device() -> Option<&'static Device> {
     }
 }
 
+/// The device, if it is llvmpipe; `None`, with a line on stderr, on any other: no model claims to be bit-exact there.
+pub fn llvmpipe() -> Option<&'static Device> {
+    let device = device()?;
+    if device.report().name.contains("llvmpipe") {
+        return Some(device);
+    }
+    let test = std::thread::current().name().unwrap_or("test").to_owned();
+    let _ = writeln!(std::io::stderr(), "{test}: skipped: `{}` is not llvmpipe", device.report().name);
+    None
+}
+
 /// The options of [`device`], for tests that spoil their device.
 pub fn options() -> OpenOptions {
     OpenOptions { adapter: std::env::var("OUTMERGE_REQUIRE_ADAPTER").ok(), ..OpenOptions::default() }

@@ -4,7 +4,10 @@
 //! here; without it the tests say that they are skipped.
 #![cfg(feature = "gpu")]
 
+mod depth;
 mod formats;
 mod harness;
 mod layers;
+#[cfg(feature = "scene")]
+mod scenes;
 mod sweeps;

@@ -10,13 +10,15 @@ pub(super) fn depth_code(kind: DepthKind, z: f32) -> u32 {
     match kind {
         DepthKind::Unorm(16) => quantize16(clamped),
         DepthKind::Unorm(bits) => {
-            let steps = f64::from(crate::format::unorm::steps(bits));
+            #[expect(clippy::cast_precision_loss, reason = "2^24 - 1 is exact in binary32")]
+            let steps = crate::format::unorm::steps(bits) as f32;
+            // The product is rounded to binary32 before it is rounded to an integer.
             #[expect(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
                 reason = "an integer from 0 to 2^24 - 1"
             )]
-            let code = (f64::from(clamped) * steps).round_ties_even() as u32;
+            let code = (clamped * steps).round_ties_even() as u32;
             code
         }
         DepthKind::Float32 => clamped.to_bits(),
