@@ -6,7 +6,8 @@
 //! - [`batch`], [`record`], [`painter`]: layers of fragments, checked, laid out for the device, and drawn in one pass;
 //! - [`upload`], [`readback`]: target bytes to the device and back, exactly;
 //! - [`replay`]: a batch of layers over given targets, and the bytes afterwards;
-//! - [`sweep`], [`program`]: the fast path, fragments uploaded once or computed on the device.
+//! - [`sweep`], [`program`]: the fast path, fragments uploaded once or computed on the device;
+//! - `scene`: the fragments of a scene as a batch (feature `scene`).
 
 pub mod adapter;
 pub mod batch;
@@ -17,6 +18,8 @@ pub mod program;
 pub mod readback;
 pub mod record;
 pub mod replay;
+#[cfg(feature = "scene")]
+pub mod scene;
 pub mod shader;
 pub mod sweep;
 pub mod upload;
