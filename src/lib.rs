@@ -23,6 +23,9 @@ pub mod scene;
 pub mod vectors;
 
 #[cfg(feature = "report")]
+pub mod analysis;
+
+#[cfg(feature = "report")]
 pub mod report;
 
 #[cfg(feature = "gpu")]

@@ -7,6 +7,7 @@ use serde::Serialize;
 use wgpu_types::BlendComponent;
 
 use super::{Failure, Outcome, output};
+use crate::analysis::departure::Departure;
 use crate::format::{ChannelKind, Codes, ColorFormat, Rounding, TargetClass};
 use crate::merger::write_mask;
 use crate::model::{ColorInputs, Explanation, Number, NumericModel, Step, registry};
@@ -112,7 +113,7 @@ fn answer(
 }
 
 /// Four numbers separated by commas; `nan`, `inf` and `-inf` are numbers here.
-fn color(option: &str, text: &str) -> Result<[f32; 4], Failure> {
+pub(super) fn color(option: &str, text: &str) -> Result<[f32; 4], Failure> {
     let parts: Vec<&str> = text.split(',').map(str::trim).collect();
     let wrong = || format!("{option} {text}: write four numbers separated by commas, e.g. 1,0.5,0,1");
     let [r, g, b, a] = parts[..] else { return Err(wrong().into()) };
@@ -250,22 +251,14 @@ fn summary(answers: &[Answer], format: ColorFormat) -> String {
 
 /// The first step at which a channel that ends in another code departs from exact arithmetic.
 fn difference(explanation: &Explanation, exact: &Explanation) -> Option<String> {
-    let channel = (0..4).find(|&i| explanation.codes[i] != exact.codes[i])?;
-    let name = ["R", "G", "B", "A"][channel];
-    let departs = |step: &&Step| {
-        let twin = exact.steps.iter().find(|other| other.name == step.name);
-        let pair = twin.and_then(|twin| Some((step.values[channel].as_ref()?, twin.values[channel].as_ref()?)));
-        pair.is_some_and(|(mine, theirs)| mine.decimal != theirs.decimal)
-    };
-    let first = explanation.steps.iter().find(departs)?;
-    let twin = exact.steps.iter().find(|other| other.name == first.name)?;
-    let (mine, theirs) = (first.values[channel].as_ref()?, twin.values[channel].as_ref()?);
-    Some(format!(
-        "{name} {} instead of {}: the {} is {} where exact has {}",
-        explanation.codes[channel],
-        exact.codes[channel],
-        first.name,
-        show(mine),
-        show(theirs)
-    ))
+    let departure = Departure::between(explanation, exact)?;
+    let (name, codes) = (["R", "G", "B", "A"][departure.channel], (explanation.codes, exact.codes));
+    let (mine, theirs) = (codes.0[departure.channel], codes.1[departure.channel]);
+    Some(format!("{name} {mine} instead of {theirs}: {}", reason(&departure)))
+}
+
+/// A departure in words.
+pub(super) fn reason(departure: &Departure) -> String {
+    let (mine, theirs) = (show(&departure.model), show(&departure.exact));
+    format!("the {} is {mine} where exact has {theirs}", departure.step)
 }

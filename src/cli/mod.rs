@@ -3,6 +3,7 @@
 //! Results go to stdout, progress to stderr. Exit status: 0 = holds, 1 = a finding or mismatch, 2 = usage or input error.
 
 mod explain;
+mod fixpoint;
 mod list;
 mod output;
 mod render;
@@ -29,6 +30,8 @@ enum Command {
     Render(render::Render),
     /// Print every step of one blend, with the numbers substituted, in every numeric model.
     Explain(explain::Explain),
+    /// Where a fragment drawn again and again gets stuck: fixed points, limit cycles, smallest useful alpha.
+    Fixpoint(fixpoint::Fixpoint),
     /// Apply, check or generate test vectors (JSON lines).
     #[command(subcommand)]
     Vectors(vectors::Vectors),
@@ -61,6 +64,7 @@ pub fn main() -> ExitCode {
         Command::Report(command) => command.run(),
         Command::Render(command) => command.run(),
         Command::Explain(command) => command.run(),
+        Command::Fixpoint(command) => command.run(),
         Command::Vectors(command) => command.run(),
         Command::Models(command) => command.run(),
         Command::Formats(command) => command.run(),
