@@ -116,7 +116,11 @@ impl Fixpoint {
         let mut table =
             table(["model", "ends at", "frames", "fixed points", "cycles", "alpha to move", "alpha to arrive"]);
         for answer in answers {
-            let alpha = |alpha: Option<f32>| alpha.map_or("none".to_owned(), |alpha| alpha.to_string());
+            let alpha = |alpha: Option<f32>| match alpha {
+                None => "none".to_owned(),
+                Some(tiny) if tiny != 0.0 && tiny.abs() < 1e-6 => format!("{tiny:e}"),
+                Some(alpha) => alpha.to_string(),
+            };
             table.add_row([
                 answer.model.clone(),
                 limit(&answer.ends_in),
