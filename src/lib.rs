@@ -31,6 +31,9 @@ pub mod report;
 #[cfg(feature = "gpu")]
 pub mod crosscheck;
 
+#[cfg(feature = "gpu")]
+pub mod conform;
+
 #[cfg(feature = "cli")]
 pub mod cli;
 

@@ -2,6 +2,8 @@
 //!
 //! Results go to stdout, progress to stderr. Exit status: 0 = holds, 1 = a finding or mismatch, 2 = usage or input error.
 
+#[cfg(feature = "gpu")]
+mod conform;
 mod explain;
 mod fixpoint;
 mod list;
@@ -28,6 +30,9 @@ enum Command {
     Report(report::Report),
     /// Render a scene to a PNG in one model.
     Render(render::Render),
+    /// Compare a device with numeric models, bit for bit, through its real output merger.
+    #[cfg(feature = "gpu")]
+    Conform(conform::Conform),
     /// Print every step of one blend, with the numbers substituted, in every numeric model.
     Explain(explain::Explain),
     /// Where a fragment drawn again and again gets stuck: fixed points, limit cycles, smallest useful alpha.
@@ -63,6 +68,8 @@ pub fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Report(command) => command.run(),
         Command::Render(command) => command.run(),
+        #[cfg(feature = "gpu")]
+        Command::Conform(command) => command.run(),
         Command::Explain(command) => command.run(),
         Command::Fixpoint(command) => command.run(),
         Command::Vectors(command) => command.run(),

@@ -71,8 +71,8 @@ pub struct ModelSummary {
 pub struct ReportError {
     /// The scene.
     pub scene: String,
-    /// Why.
-    pub source: SceneError,
+    /// Why; boxed, as scene errors are large.
+    pub source: Box<SceneError>,
 }
 
 /// Renders each scene in every model that covers its targets, and compares each with the first model, the yardstick.
@@ -87,7 +87,8 @@ pub fn compare(
     done: &(dyn Fn() + Sync),
 ) -> Result<Vec<SceneReport>, ReportError> {
     let one = |(name, scene): &(String, Scene)| {
-        let report = compare_scene(name, scene, models).map_err(|source| ReportError { scene: name.clone(), source });
+        let report = compare_scene(name, scene, models)
+            .map_err(|source| ReportError { scene: name.clone(), source: Box::new(source) });
         done();
         report
     };

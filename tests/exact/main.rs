@@ -67,7 +67,11 @@ fn same(format: ColorFormat, a: [u32; 4], b: [u32; 4]) -> bool {
 fn sweep(formats: &[&str], channels: u64, seed: u64) -> Counts {
     const TEXELS: usize = 64;
     let counts = Counts::default();
-    let lines = channels.div_ceil(formats.len() as u64 * TEXELS as u64);
+    let stored = |name: &&str| {
+        let format = ColorFormat::from_name(name).expect("a listed format");
+        format.channels().iter().filter(|kind| **kind != ChannelKind::Absent).count() as u64
+    };
+    let lines = channels.div_ceil(formats.iter().map(stored).sum::<u64>() * TEXELS as u64);
     (0..lines).into_par_iter().for_each(|i| {
         for (j, name) in formats.iter().enumerate() {
             let format = ColorFormat::from_name(name).expect("a listed format");

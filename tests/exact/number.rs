@@ -37,7 +37,7 @@ pub fn single(x: f32) -> Number {
         return Infinite(negative);
     }
     let bits = x.to_bits() & 0x7fff_ffff;
-    let (exponent, mantissa) = ((bits >> 23) as i32, u64::from(bits & 0x7f_ffff));
+    let (exponent, mantissa) = ((bits >> 23).cast_signed(), u64::from(bits & 0x7f_ffff));
     let value = if exponent == 0 { dyadic(mantissa, -149) } else { dyadic(mantissa | 0x80_0000, exponent - 150) };
     Rational(if negative { -value } else { value }, negative)
 }

@@ -167,7 +167,7 @@ fn magnitude_value(layout: FloatLayout, magnitude: u32) -> Relaxed {
     let FloatLayout { exponent_bits, mantissa_bits, .. } = layout;
     let (exponent, mantissa) = (magnitude >> mantissa_bits, u64::from(magnitude & ((1 << mantissa_bits) - 1)));
     let bias = (1_i32 << (exponent_bits - 1)) - 1;
-    let last_place = exponent.max(1) as i32 - bias - mantissa_bits as i32;
+    let last_place = exponent.max(1).cast_signed() - bias - mantissa_bits.cast_signed();
     dyadic(if exponent == 0 { mantissa } else { mantissa | 1 << mantissa_bits }, last_place)
 }
 
@@ -183,7 +183,8 @@ fn store(kind: ChannelKind, x: &Number) -> u32 {
                 ChannelKind::Snorm(bits) => {
                     let top = (1 << (bits - 1)) - 1;
                     if x < Relaxed::ZERO {
-                        ((1_u64 << bits) - u64::from(nearest(&-x, top))) as u32 & ((1_u64 << bits) - 1) as u32
+                        let code = ((1_u64 << bits) - u64::from(nearest(&-x, top))) & ((1 << bits) - 1);
+                        u32::try_from(code).expect("at most 16 bits")
                     } else {
                         nearest(&x, top)
                     }

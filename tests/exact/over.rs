@@ -18,7 +18,9 @@ fn output(k: u8) -> f32 {
 fn units(k: u8) -> i128 {
     let scaled = f64::from(output(k)) * 4_294_967_296.0;
     assert_eq!(scaled.fract(), 0.0, "a multiple of 2^-32");
-    scaled as i128
+    #[expect(clippy::cast_possible_truncation, reason = "an integer, checked above")]
+    let integer = scaled as i128;
+    integer
 }
 
 /// n / 2^64 to the nearest integer, ties to even, at most 255.

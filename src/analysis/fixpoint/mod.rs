@@ -98,7 +98,8 @@ pub fn analyze(
             model,
             exact,
             from,
-            frames + u32::try_from(ends_in.len()).expect("at most 2^16 codes"),
+            // At most 2^16 codes.
+            frames.saturating_add(u32::try_from(ends_in.len()).unwrap_or(u32::MAX)),
         ),
         ends_in,
         dynamics,

@@ -67,6 +67,7 @@ impl Width {
 /// A shader output or constant as an 8-bit code: min(x, 1) * 255 in binary32, to nearest even, clamped; NaN gives 0.
 ///
 /// Without the min of wide vectors, products beyond the 32-bit integers wrap to the lowest one and clamp to 0.
+#[must_use]
 pub fn quantize8(x: f32, width: VectorWidth) -> u32 {
     let bounded = match width {
         // x86 MINPS: the second operand where they do not compare, and NaN converts to the lowest integer below.
@@ -84,6 +85,7 @@ pub fn quantize8(x: f32, width: VectorWidth) -> u32 {
 
 /// A shader output or constant as a 16-bit code: the low mantissa bits of x * 65535/65536 + 128, whose last place is
 /// 2^-16; NaN gives 0.
+#[must_use]
 pub fn quantize16(x: f32) -> u32 {
     let clamped = if x > 0.0 { x.min(1.0) } else { 0.0 };
     (clamped * (65535.0 / 65536.0) + 128.0).to_bits() & 0xffff

@@ -1,0 +1,21 @@
+//! Conformance of a device with numeric models: sweeps through a real output merger, compared bit for bit.
+//!
+//! A level is a list of [`Unit`]s, each a few seconds to minutes of work with a name that does not change between runs:
+//! units are what shards divide, what a log resumes from, and what results are merged by.
+//!
+//! - [`level`]: which units a level has;
+//! - [`blend`], [`store`], [`depth`], [`codes`]: how each kind of unit is run;
+//! - [`run`](mod@run): a list of units on a device; [`result`]: what was found; [`junit`]: the same for CI.
+
+pub mod blend;
+pub mod codes;
+pub mod depth;
+pub mod junit;
+pub mod level;
+pub mod result;
+pub mod run;
+pub mod store;
+
+pub use level::{Level, Shard, Unit};
+pub use result::{ModelOutcome, Results, UnitOutcome};
+pub use run::run;

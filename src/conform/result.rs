@@ -1,0 +1,239 @@
+//! What a run found: a versioned record that can be logged, merged and judged.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::Level;
+
+/// Version of the JSON form.
+pub const VERSION: u32 = 1;
+
+/// A run's results.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Results {
+    /// [`VERSION`].
+    pub version: u32,
+    /// The adapter, in one line.
+    pub adapter: String,
+    /// The level.
+    pub level: Level,
+    /// The shards these results cover, `i/n`.
+    pub shards: Vec<String>,
+    /// The models compared with.
+    pub models: Vec<String>,
+    /// The units, in the level's order.
+    pub units: Vec<UnitOutcome>,
+}
+
+/// One unit's outcome.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct UnitOutcome {
+    /// The unit's name.
+    pub unit: String,
+    /// Format, for tables.
+    pub format: String,
+    /// Texels drawn and compared.
+    pub texels: u64,
+    /// States gone through.
+    pub states: u64,
+    /// Seconds it took.
+    pub seconds: f64,
+    /// Why it was not run; then it counts neither for nor against any model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub not_run: Option<String>,
+    /// By model.
+    pub models: BTreeMap<String, ModelOutcome>,
+}
+
+/// How a model fared in a unit.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ModelOutcome {
+    /// Texels that differ.
+    pub mismatches: u64,
+    /// States compared.
+    pub states: u64,
+    /// States without any difference.
+    pub states_matched: u64,
+    /// Why the model was not compared, if it was not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub not_run: Option<String>,
+    /// The first difference.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub first: Option<String>,
+}
+
+impl UnitOutcome {
+    /// A unit that could not be run.
+    #[must_use]
+    pub fn not_run(unit: &super::Unit, reason: impl Into<String>) -> Self {
+        Self {
+            unit: unit.id(),
+            format: unit.format_name().to_owned(),
+            texels: 0,
+            states: 0,
+            seconds: 0.0,
+            not_run: Some(reason.into()),
+            models: BTreeMap::new(),
+        }
+    }
+}
+
+/// Results that cannot be merged.
+#[derive(Debug, PartialEq, Eq, thiserror::Error)]
+pub enum MergeError {
+    /// Nothing to merge.
+    #[error("no results given")]
+    Empty,
+    /// Another schema.
+    #[error("results of version {0}; this program reads version {VERSION}")]
+    Version(u32),
+    /// Different runs.
+    #[error("the results differ in {what}: `{a}` and `{b}`; only shards of one run merge")]
+    Different {
+        /// Member.
+        what: &'static str,
+        /// One value.
+        a: String,
+        /// The other.
+        b: String,
+    },
+    /// A unit in both.
+    #[error("unit `{0}` is in more than one of the results")]
+    Twice(String),
+}
+
+impl Results {
+    /// Puts shards of one run together; the units come out in the level's order.
+    ///
+    /// # Errors
+    /// [`MergeError`] when they are not shards of one run.
+    pub fn merge(parts: Vec<Self>) -> Result<Self, MergeError> {
+        let mut parts = parts.into_iter();
+        let mut merged = parts.next().ok_or(MergeError::Empty)?;
+        for part in std::iter::once(&merged.clone()).chain(parts.as_slice()) {
+            if part.version != VERSION {
+                return Err(MergeError::Version(part.version));
+            }
+            let different = |what, a: String, b: String| MergeError::Different { what, a, b };
+            if part.adapter != merged.adapter {
+                return Err(different("adapter", merged.adapter, part.adapter.clone()));
+            }
+            if part.level != merged.level {
+                return Err(different("level", merged.level.to_string(), part.level.to_string()));
+            }
+            if part.models != merged.models {
+                return Err(different("models", merged.models.join(","), part.models.join(",")));
+            }
+        }
+        for part in parts {
+            merged.shards.extend(part.shards);
+            for unit in part.units {
+                if merged.units.iter().any(|known| known.unit == unit.unit) {
+                    return Err(MergeError::Twice(unit.unit));
+                }
+                merged.units.push(unit);
+            }
+        }
+        let order: Vec<String> = super::level::units(merged.level).iter().map(super::Unit::id).collect();
+        merged.units.sort_by_key(|unit| order.iter().position(|id| *id == unit.unit));
+        Ok(merged)
+    }
+
+    /// Per model: mismatching texels, states compared, states matched, units not compared.
+    #[must_use]
+    pub fn totals(&self) -> BTreeMap<String, Totals> {
+        let mut totals: BTreeMap<String, Totals> = BTreeMap::new();
+        for unit in &self.units {
+            for model in &self.models {
+                let total = totals.entry(model.clone()).or_default();
+                match unit.models.get(model).filter(|outcome| outcome.not_run.is_none()) {
+                    Some(outcome) if unit.not_run.is_none() => total.add(unit.texels, outcome),
+                    _ => total.units_not_run += 1,
+                }
+            }
+        }
+        totals
+    }
+
+    /// The same by format.
+    #[must_use]
+    pub fn by_format(&self) -> BTreeMap<String, BTreeMap<String, Totals>> {
+        let mut formats: BTreeMap<String, BTreeMap<String, Totals>> = BTreeMap::new();
+        for unit in &self.units {
+            let row = formats.entry(unit.format.clone()).or_default();
+            for (model, outcome) in &unit.models {
+                let total = row.entry(model.clone()).or_default();
+                if outcome.not_run.is_none() { total.add(unit.texels, outcome) } else { total.units_not_run += 1 }
+            }
+        }
+        formats
+    }
+}
+
+/// Sums over units.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Totals {
+    /// Texels compared.
+    pub texels: u64,
+    /// Texels that differ.
+    pub mismatches: u64,
+    /// States compared.
+    pub states: u64,
+    /// States without any difference.
+    pub states_matched: u64,
+    /// Units not compared.
+    pub units_not_run: u64,
+}
+
+impl Totals {
+    fn add(&mut self, texels: u64, outcome: &ModelOutcome) {
+        self.texels += texels;
+        self.mismatches += outcome.mismatches;
+        self.states += outcome.states;
+        self.states_matched += outcome.states_matched;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn part(shard: &str, unit: &str) -> Results {
+        let outcome = ModelOutcome { states: 2, states_matched: 1, mismatches: 3, ..ModelOutcome::default() };
+        Results {
+            version: VERSION,
+            adapter: "a".to_owned(),
+            level: Level::Quick,
+            shards: vec![shard.to_owned()],
+            models: vec!["m".to_owned()],
+            units: vec![UnitOutcome {
+                unit: unit.to_owned(),
+                format: "f".to_owned(),
+                texels: 10,
+                states: 2,
+                seconds: 1.0,
+                not_run: None,
+                models: [("m".to_owned(), outcome)].into(),
+            }],
+        }
+    }
+
+    #[test]
+    fn shards_merge_into_the_level_s_order() {
+        let ids: Vec<String> =
+            crate::conform::level::units(Level::Quick).iter().map(crate::conform::Unit::id).collect();
+        let merged = Results::merge(vec![part("2/2", &ids[1]), part("1/2", &ids[0])]).expect("shards of one run");
+        assert_eq!(merged.units.iter().map(|u| u.unit.clone()).collect::<Vec<_>>(), ids[..2], "order");
+        assert_eq!(merged.totals()["m"].mismatches, 6, "sum");
+    }
+
+    #[test]
+    fn only_shards_of_one_run_merge() {
+        let other = Results { adapter: "b".to_owned(), ..part("2/2", "y") };
+        assert!(matches!(Results::merge(vec![part("1/2", "x"), other]), Err(MergeError::Different { .. })), "adapter");
+        let twice = Results::merge(vec![part("1/2", "x"), part("2/2", "x")]);
+        assert_eq!(twice, Err(MergeError::Twice("x".to_owned())), "the same unit");
+        assert_eq!(Results::merge(Vec::new()), Err(MergeError::Empty), "nothing");
+    }
+}

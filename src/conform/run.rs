@@ -1,0 +1,171 @@
+//! Units on a device, one after the other.
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use super::result::{ModelOutcome, UnitOutcome};
+use super::{Unit, blend, codes, depth, store};
+use crate::crosscheck::{Device, ReplayError};
+use crate::format::{ChannelKind, Codes, ColorFormat};
+use crate::model::NumericModel;
+use crate::model::llvmpipe::{Llvmpipe, VectorWidth};
+use crate::model::registry::{self, ModelNameError};
+
+/// A model under comparison.
+#[derive(Debug)]
+pub struct Subject {
+    /// Its name.
+    pub name: String,
+    /// The model.
+    pub model: Box<dyn NumericModel>,
+    /// The same as llvmpipe, whose store and 8-bit arithmetic are fast enough for every input.
+    pub llvmpipe: Option<Llvmpipe>,
+}
+
+impl Subject {
+    /// The model with this name.
+    ///
+    /// # Errors
+    /// [`ModelNameError`].
+    pub fn new(name: &str) -> Result<Self, ModelNameError> {
+        let model = registry::by_name(name)?;
+        let name = model.name();
+        let llvmpipe = match name.as_str() {
+            "llvmpipe" => Some(Llvmpipe::default()),
+            "llvmpipe:128" => Some(Llvmpipe { vector_width: VectorWidth::Bits128 }),
+            _ => None,
+        };
+        Ok(Self { name, model, llvmpipe })
+    }
+}
+
+/// Tallies of one unit: texels and states drawn, and each model's count.
+#[derive(Debug)]
+pub(super) struct Tally {
+    pub texels: u64,
+    pub states: u64,
+    pub models: Vec<ModelOutcome>,
+}
+
+impl Tally {
+    pub(super) fn new(subjects: &[Subject]) -> Self {
+        Self { texels: 0, states: 0, models: vec![ModelOutcome::default(); subjects.len()] }
+    }
+
+    /// Adds one state's comparison with model number `i`.
+    pub(super) fn add(&mut self, i: usize, compared: Compared, describe: impl FnOnce(usize) -> String) {
+        let outcome = &mut self.models[i];
+        outcome.states += 1;
+        outcome.states_matched += u64::from(compared.mismatches == 0);
+        outcome.mismatches += compared.mismatches;
+        if let (None, Some(at)) = (&outcome.first, compared.first) {
+            outcome.first = Some(describe(at));
+        }
+    }
+}
+
+/// Texels of one job that differ.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Compared {
+    pub mismatches: u64,
+    pub first: Option<usize>,
+}
+
+/// Compares `count` texels, several at a time; `same` says whether texel i is as the model has it.
+pub(super) fn compare(count: usize, same: impl Fn(usize) -> bool + Sync) -> Compared {
+    const CHUNK: usize = 4096;
+    let chunk = |start: usize| {
+        let mut compared = Compared::default();
+        for i in start * CHUNK..((start + 1) * CHUNK).min(count) {
+            if !same(i) {
+                compared.mismatches += 1;
+                compared.first.get_or_insert(i);
+            }
+        }
+        compared
+    };
+    let join = |a: Compared, b: Compared| Compared {
+        mismatches: a.mismatches + b.mismatches,
+        first: a.first.into_iter().chain(b.first).min(),
+    };
+    (0..count.div_ceil(CHUNK)).into_par_iter().map(chunk).reduce(Compared::default, join)
+}
+
+/// Whether two texels agree: bit for bit, but any NaN of a float channel equals any NaN.
+pub(super) fn same_codes(channels: [ChannelKind; 4], a: Codes, b: Codes) -> bool {
+    a == b
+        || channels.into_iter().enumerate().all(|(i, kind)| match kind {
+            ChannelKind::Float(layout) => a[i] == b[i] || (layout.is_nan(a[i]) && layout.is_nan(b[i])),
+            _ => a[i] == b[i],
+        })
+}
+
+/// The codes of texel `i` of a target's bytes.
+pub(super) fn texel(format: ColorFormat, bytes: &[u8], i: usize) -> Codes {
+    let each = format.bytes_per_texel();
+    format.unpack(&bytes[i * each..(i + 1) * each])
+}
+
+/// Runs units in order and hands each outcome to `done`, which may end the run.
+///
+/// A unit the device refuses counts as not run, with the reason; so do the units after a fault of the device.
+pub fn run(
+    device: &Device,
+    subjects: &[Subject],
+    units: &[Unit],
+    mut done: impl FnMut(UnitOutcome) -> ControlFlow<()>,
+) {
+    let mut fault: Option<String> = None;
+    for unit in units {
+        let outcome = match &fault {
+            Some(reason) => UnitOutcome::not_run(unit, format!("the device failed before: {reason}")),
+            None => run_unit(device, subjects, unit).unwrap_or_else(|error| {
+                if let ReplayError::Device(device_fault) = &error {
+                    fault = Some(device_fault.to_string());
+                }
+                UnitOutcome::not_run(unit, error.to_string())
+            }),
+        };
+        if done(outcome).is_break() {
+            return;
+        }
+    }
+}
+
+fn run_unit(device: &Device, subjects: &[Subject], unit: &Unit) -> Result<UnitOutcome, ReplayError> {
+    if let Unit::Blend { format, .. } | Unit::Store { format, .. } = unit
+        && !device.renders(format.texture_format())
+    {
+        return Ok(UnitOutcome::not_run(unit, format!("the adapter does not render to {}", format.name())));
+    }
+    let started = Instant::now();
+    let mut tally = Tally::new(subjects);
+    match unit {
+        Unit::Blend { format, states, texels } => {
+            if matches!(states, super::level::States::Equal(_)) && !device.blends(*format) {
+                let reason = format!("the adapter does not blend on {}", format.name());
+                return Ok(UnitOutcome::not_run(unit, reason));
+            }
+            blend::run(device, subjects, *format, *states, *texels, &mut tally)?;
+        }
+        Unit::Store { format, stride, rotation } => {
+            store::run(device, subjects, *format, *stride, *rotation, &mut tally)?;
+        }
+        Unit::Depth { format, stride } => depth::run(device, subjects, *format, *stride, &mut tally)?,
+        Unit::Codes { src_factor } => codes::run(device, subjects, *src_factor, &mut tally)?,
+        Unit::CodesBothAlphas { component } => codes::run_both_alphas(device, subjects, *component, &mut tally)?,
+    }
+    let names = subjects.iter().map(|subject| subject.name.clone());
+    Ok(UnitOutcome {
+        unit: unit.id(),
+        format: unit.format_name().to_owned(),
+        texels: tally.texels,
+        states: tally.states,
+        seconds: started.elapsed().as_secs_f64(),
+        not_run: None,
+        models: names.zip(tally.models).collect::<BTreeMap<_, _>>(),
+    })
+}
