@@ -91,7 +91,7 @@ pub fn quantize16(x: f32) -> u32 {
     (clamped * (65535.0 / 65536.0) + 128.0).to_bits() & 0xffff
 }
 
-/// 8-bit four-channel targets, codes in and codes out: the arithmetic of [`merge8`] without the record of its steps, for
+/// 8-bit four-channel targets, codes in and codes out: the arithmetic of `merge8` without the record of its steps, for
 /// sweeps over every code.
 #[must_use]
 pub fn merge_codes8(state: &BlendState, src: Codes, src1: Codes, constant: Codes, dst: Codes) -> Codes {
