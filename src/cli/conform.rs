@@ -1,8 +1,6 @@
 //! `outmerge conform`: a device against numeric models, bit for bit.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
-use std::io::{BufRead, Write as _};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
@@ -10,9 +8,10 @@ use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{Failure, Outcome, output};
+use crate::conform::log::Log;
 use crate::conform::result::VERSION;
 use crate::conform::run::Subject;
-use crate::conform::{Level, Results, Shard, Unit, UnitOutcome, junit, level};
+use crate::conform::{Level, Results, Shard, Unit, junit, level, table};
 use crate::crosscheck::{Device, OpenOptions, adapter};
 use crate::model::registry;
 
@@ -46,6 +45,9 @@ struct Merge {
     /// Where to write JUnit XML.
     #[arg(long)]
     junit: Option<PathBuf>,
+    /// Where to write the table as Markdown.
+    #[arg(long)]
+    markdown: Option<PathBuf>,
 }
 
 /// Arguments of a sweep.
@@ -78,6 +80,9 @@ struct Sweep {
     /// Write JUnit XML.
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
+    /// Write the table as Markdown.
+    #[arg(long, value_name = "FILE")]
+    markdown: Option<PathBuf>,
     /// Log of finished units: an interrupted run with the same log goes on where it stopped.
     #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
@@ -115,7 +120,10 @@ impl Merge {
         if let Some(path) = &self.junit {
             write_junit(path, &results)?;
         }
-        output::print(&table(&results))?;
+        if let Some(path) = &self.markdown {
+            write_text(path, &table::markdown(&results))?;
+        }
+        output::print(&table::text(&results))?;
         let matched = results.totals().values().any(|total| total.mismatches == 0 && total.states > 0);
         Ok(if matched { Outcome::Fine } else { Outcome::Finding })
     }
@@ -160,10 +168,13 @@ impl Sweep {
         if let Some(path) = &self.junit {
             write_junit(path, &results)?;
         }
+        if let Some(path) = &self.markdown {
+            write_text(path, &table::markdown(&results))?;
+        }
         if self.json {
             output::print_json(&results)?;
         } else {
-            output::print(&table(&results))?;
+            output::print(&table::text(&results))?;
         }
         let failed = results.totals().values().any(|total| total.mismatches > 0 || total.states == 0);
         let named = !self.model.is_empty();
@@ -178,13 +189,9 @@ impl Sweep {
         units: &[Unit],
         results: &mut Results,
     ) -> Result<(), Failure> {
-        let known = match &self.log {
-            Some(path) => read_log(path, results)?,
-            None => BTreeMap::new(),
-        };
-        let mut log = match &self.log {
-            Some(path) => Some(append(path, results, known.is_empty())?),
-            None => None,
+        let (mut log, known) = match &self.log {
+            Some(path) => Log::open(path, results).map(|(log, known)| (Some(log), known))?,
+            None => (None, BTreeMap::new()),
         };
         let missing: Vec<Unit> = units.iter().filter(|unit| !known.contains_key(&unit.id())).cloned().collect();
         let bar = ProgressBar::new(units.len() as u64)
@@ -195,13 +202,9 @@ impl Sweep {
         crate::conform::run(device, subjects, &missing, |outcome| {
             bar.inc(1);
             bar.set_message(outcome.unit.clone());
-            // A unit that was not run is tried again by the next run.
-            if let Some(file) = log.as_mut().filter(|_| outcome.not_run.is_none()) {
-                let line = serde_json::to_string(&outcome).map_err(Failure::from);
-                if let Err(error) = line.and_then(|line| Ok(writeln!(file, "{line}").and_then(|()| file.flush())?)) {
-                    failure = Some(error);
-                    return ControlFlow::Break(());
-                }
+            if let Some(Err(error)) = log.as_mut().map(|log| log.add(&outcome)) {
+                failure = Some(error.into());
+                return ControlFlow::Break(());
             }
             outcomes.insert(outcome.unit.clone(), outcome);
             ControlFlow::Continue(())
@@ -212,60 +215,6 @@ impl Sweep {
     }
 }
 
-/// The line a log begins with: what its units are comparable with.
-fn log_header(results: &Results) -> serde_json::Value {
-    serde_json::json!({
-        "version": results.version, "adapter": results.adapter, "level": results.level, "models": results.models,
-    })
-}
-
-/// The units a log has; none if the file is not there.
-fn read_log(path: &Path, results: &Results) -> Result<BTreeMap<String, UnitOutcome>, Failure> {
-    let Ok(file) = std::fs::File::open(path) else { return Ok(BTreeMap::new()) };
-    let mut lines = std::io::BufReader::new(file).lines();
-    let named = |problem: String| -> Failure { format!("{}: {problem}", path.display()).into() };
-    let Some(first) = lines.next() else { return Ok(BTreeMap::new()) };
-    let header: serde_json::Value = serde_json::from_str(&first?).map_err(|e| named(format!("line 1: {e}")))?;
-    if header != log_header(results) {
-        return Err(named(
-            "the log belongs to a run with another adapter, level or models; name another log".to_owned(),
-        ));
-    }
-    let mut units = BTreeMap::new();
-    let mut broken = None;
-    for (i, line) in lines.enumerate() {
-        if let Some(problem) = broken.take() {
-            return Err(problem);
-        }
-        match serde_json::from_str::<UnitOutcome>(&line?) {
-            Ok(unit) => {
-                units.insert(unit.unit.clone(), unit);
-            }
-            // A last line cut off by an interruption is run again; anywhere else it is a damaged file.
-            Err(error) => broken = Some(named(format!("line {}: {error}", i + 2))),
-        }
-    }
-    Ok(units)
-}
-
-/// The log, open for more lines; begun anew when it has no units.
-fn append(path: &Path, results: &Results, empty: bool) -> Result<std::fs::File, Failure> {
-    let named = |error: std::io::Error| format!("cannot write {}: {error}", path.display());
-    if empty {
-        let mut file = std::fs::File::create(path).map_err(named)?;
-        writeln!(file, "{}", log_header(results)).map_err(named)?;
-        return Ok(file);
-    }
-    let text = std::fs::read_to_string(path).map_err(named)?;
-    let mut file = std::fs::OpenOptions::new().append(true).open(path).map_err(named)?;
-    if !text.ends_with('\n') {
-        // Keep a cut-off line from swallowing the next one.
-        file.set_len(text.rfind('\n').map_or(0, |at| at as u64 + 1)).map_err(named)?;
-    }
-    file.flush().map_err(named)?;
-    Ok(file)
-}
-
 fn write_json(path: &Path, results: &Results) -> Result<(), Failure> {
     let json = serde_json::to_string_pretty(results)?;
     output::write_file(path, |file| Ok(writeln!(file, "{json}")?))
@@ -273,63 +222,9 @@ fn write_json(path: &Path, results: &Results) -> Result<(), Failure> {
 
 fn write_junit(path: &Path, results: &Results) -> Result<(), Failure> {
     let xml = junit::xml(results)?;
-    output::write_file(path, |file| Ok(file.write_all(xml.as_bytes())?))
+    write_text(path, &xml)
 }
 
-/// States matched by format and model, first differences, and the verdict.
-fn table(results: &Results) -> String {
-    let mut text = format!("{}\nlevel {}, shard {}\n\n", results.adapter, results.level, results.shards.join(", "));
-    let _ = write!(text, "{:18}{:>14}", "states matched", "texels");
-    for model in &results.models {
-        let _ = write!(text, " {model:>14}");
-    }
-    text.push('\n');
-    for (format, row) in results.by_format() {
-        let texels = row.values().map(|total| total.texels).max().unwrap_or(0);
-        let _ = write!(text, "{format:18}{texels:>14}");
-        for model in &results.models {
-            let cell = match row.get(model) {
-                Some(total) if total.states > 0 => format!("{}/{}", total.states_matched, total.states),
-                _ => "not run".to_owned(),
-            };
-            let _ = write!(text, " {cell:>14}");
-        }
-        text.push('\n');
-    }
-    for unit in &results.units {
-        if let Some(reason) = &unit.not_run {
-            let _ = writeln!(text, "not run: {}: {reason}", unit.unit);
-        }
-    }
-    let mut left_out: BTreeMap<(&String, &String), usize> = BTreeMap::new();
-    for unit in &results.units {
-        for (model, outcome) in &unit.models {
-            if let Some(reason) = &outcome.not_run {
-                *left_out.entry((model, reason)).or_default() += 1;
-            }
-        }
-    }
-    for ((model, reason), units) in left_out {
-        let _ = writeln!(text, "not run: {model} in {units} units: {reason}");
-    }
-    text.push('\n');
-    for (model, total) in results.totals() {
-        let verdict = match (total.states, total.mismatches) {
-            (0, _) => "not run".to_owned(),
-            (states, 0) => format!("fits: {states} states, {} texels, no mismatch", total.texels),
-            (states, mismatches) => {
-                format!(
-                    "does not fit: {} of {states} states, {mismatches} of {} texels differ",
-                    states - total.states_matched,
-                    total.texels
-                )
-            }
-        };
-        let _ = writeln!(text, "{model:14} {verdict}");
-        let first = results.units.iter().find_map(|unit| Some((unit, unit.models.get(&model)?.first.as_ref()?)));
-        if let Some((unit, first)) = first {
-            let _ = writeln!(text, "{:14} first in {}: {first}", "", unit.unit);
-        }
-    }
-    text
+fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
+    output::write_file(path, |file| Ok(file.write_all(text.as_bytes())?))
 }

@@ -5,16 +5,19 @@
 //!
 //! - [`level`]: which units a level has;
 //! - [`blend`], [`store`], [`depth`], [`codes`]: how each kind of unit is run;
-//! - [`run`](mod@run): a list of units on a device; [`result`]: what was found; [`junit`]: the same for CI.
+//! - [`run`](mod@run): a list of units on a device; [`log`]: finished units on disk; [`result`]: what was found;
+//! - [`table`] and [`junit`]: the same for people and for CI.
 
 pub mod blend;
 pub mod codes;
 pub mod depth;
 pub mod junit;
 pub mod level;
+pub mod log;
 pub mod result;
 pub mod run;
 pub mod store;
+pub mod table;
 
 pub use level::{Level, Shard, Unit};
 pub use result::{ModelOutcome, Results, UnitOutcome};

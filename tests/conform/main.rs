@@ -1,0 +1,177 @@
+//! `outmerge conform` as a program: sweeps of a real device, shards, resuming, exit status.
+
+use std::io::Write as _;
+use std::path::Path;
+
+use assert_cmd::Command;
+use predicates::prelude::*;
+use serde_json::Value;
+
+/// The program, on the required adapter.
+fn conform() -> Command {
+    let mut command = Command::cargo_bin("outmerge").expect("the program");
+    command.arg("conform");
+    command
+}
+
+fn adapter() -> Vec<String> {
+    std::env::var("OUTMERGE_REQUIRE_ADAPTER").map_or_else(|_| Vec::new(), |name| vec!["--adapter".to_owned(), name])
+}
+
+/// Whether there is llvmpipe to sweep; a missing one that is required fails, any other is said on stderr.
+fn has_llvmpipe(test: &str) -> bool {
+    let output = conform().arg("adapters").output().expect("runs");
+    let adapters = String::from_utf8(output.stdout).expect("text");
+    let found = adapters.contains("llvmpipe");
+    let required = std::env::var_os("OUTMERGE_REQUIRE_ADAPTER").is_some();
+    assert!(found || !required, "the required adapter is missing; there are:\n{adapters}");
+    if !found {
+        let _ = writeln!(std::io::stderr(), "{test}: skipped: no llvmpipe");
+    }
+    found
+}
+
+fn json(path: &Path) -> Value {
+    serde_json::from_slice(&std::fs::read(path).expect("the file")).expect("JSON")
+}
+
+/// The units of a result file without their run times.
+fn units(results: &Value) -> Vec<Value> {
+    let mut units = results["units"].as_array().expect("units").clone();
+    for unit in &mut units {
+        unit.as_object_mut().expect("a unit").remove("seconds");
+    }
+    units
+}
+
+#[test]
+fn shards_list_each_unit_of_a_level_once() {
+    let list = |arguments: &[&str]| {
+        let output = conform().args(["--list", "--level", "full"]).args(arguments).output().expect("runs");
+        String::from_utf8(output.stdout).expect("text").lines().map(str::to_owned).collect::<Vec<_>>()
+    };
+    let mut parts: Vec<String> = ["1/3", "2/3", "3/3"].iter().flat_map(|shard| list(&["--shard", shard])).collect();
+    let mut whole = list(&[]);
+    assert!(whole.len() > 100, "a level of many units");
+    parts.sort();
+    whole.sort();
+    assert_eq!(parts, whole, "three shards make the level");
+}
+
+#[test]
+fn an_adapter_that_is_not_there_is_an_error() {
+    conform()
+        .args(["--adapter", "no such adapter"])
+        .assert()
+        .code(2)
+        .stderr(predicate::str::contains("no such adapter").and(predicate::str::contains("panicked").not()));
+}
+
+#[test]
+fn merged_shards_equal_the_whole_and_junit_has_every_unit() {
+    if !has_llvmpipe("merged_shards_equal_the_whole_and_junit_has_every_unit") {
+        return;
+    }
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| dir.path().join(name);
+    let sweep = |shard: &str, name: &str| {
+        conform()
+            .args(adapter())
+            .args(["--model", "llvmpipe", "--only", "/r8unorm/", "--shard", shard, "--json-file"])
+            .arg(path(name))
+            .assert()
+            .code(0);
+    };
+    sweep("1/1", "whole.json");
+    sweep("1/2", "a.json");
+    sweep("2/2", "b.json");
+    conform()
+        .args(["merge", "--output"])
+        .arg(path("merged.json"))
+        .arg("--junit")
+        .arg(path("junit.xml"))
+        .arg("--markdown")
+        .arg(path("table.md"))
+        // In any order.
+        .args([path("b.json"), path("a.json")])
+        .assert()
+        .code(0)
+        .stdout(predicate::str::contains("fits: 25 states"));
+    assert_eq!(units(&json(&path("merged.json"))), units(&json(&path("whole.json"))), "merged shards");
+
+    let junit = std::fs::read_to_string(path("junit.xml")).expect("JUnit");
+    for unit in units(&json(&path("whole.json"))) {
+        let name = unit["unit"].as_str().expect("a name");
+        assert!(junit.contains(&format!("name=\"{name}\"")), "{name} in {junit}");
+    }
+    let table = std::fs::read_to_string(path("table.md")).expect("Markdown");
+    assert!(table.contains("| r8unorm | 360448 | 25/25 |"), "{table}");
+
+    conform()
+        .arg("merge")
+        .args([path("a.json"), path("a.json")])
+        .assert()
+        .code(2)
+        .stderr(predicate::str::contains("more than one of the results"));
+}
+
+#[test]
+fn an_interrupted_run_goes_on_after_its_last_finished_unit() {
+    if !has_llvmpipe("an_interrupted_run_goes_on_after_its_last_finished_unit") {
+        return;
+    }
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| dir.path().join(name);
+    let sweep = |result: &str, level: &str| {
+        conform()
+            .args(adapter())
+            .args(["--model", "llvmpipe", "--only", "/r8unorm/", "--level", level, "--log"])
+            .arg(path("log"))
+            .arg("--json-file")
+            .arg(path(result))
+            .assert()
+    };
+    sweep("first.json", "quick").code(0);
+    let log = std::fs::read_to_string(path("log")).expect("a log");
+    let lines: Vec<&str> = log.lines().collect();
+    assert_eq!(lines.len(), 3, "a header and two units");
+    // Interrupted while writing the second unit; the first carries a mark that a new run would not make.
+    let marked = lines[1].replacen("\"seconds\":", "\"seconds\":1234", 1);
+    std::fs::write(path("log"), format!("{}\n{marked}\n{}", lines[0], &lines[2][..20])).expect("written");
+
+    sweep("second.json", "quick").code(0);
+    let (first, second) = (json(&path("first.json")), json(&path("second.json")));
+    assert_eq!(units(&second), units(&first), "the same results");
+    assert!(second["units"][0]["seconds"].as_f64() >= Some(1234.0), "the finished unit was taken from the log");
+    assert!(second["units"][1]["seconds"].as_f64() < Some(1234.0), "the other one was run");
+
+    sweep("third.json", "full").code(2).stderr(predicate::str::contains("another adapter, level or models"));
+}
+
+#[test]
+fn a_model_that_does_not_fit_fails_when_it_was_named() {
+    if !has_llvmpipe("a_model_that_does_not_fit_fails_when_it_was_named") {
+        return;
+    }
+    let dir = tempfile::tempdir().expect("a folder");
+    let junit = dir.path().join("junit.xml");
+    let unit = ["--only", "blend/rgba8unorm/src-alpha/"];
+    conform()
+        .args(adapter())
+        .args(unit)
+        .args(["--model", "exact", "--junit"])
+        .arg(&junit)
+        .assert()
+        .code(1)
+        .stdout(predicate::str::contains("does not fit").and(predicate::str::contains("expected")));
+    let xml = std::fs::read_to_string(junit).expect("JUnit");
+    assert!(xml.contains("failures=\"1\"") && xml.contains("texels differ"), "{xml}");
+    // Without a name the question is which model fits, and any answer is one.
+    let output = conform().args(adapter()).args(unit).arg("--json").output().expect("runs");
+    assert_eq!(output.status.code(), Some(0), "a survey");
+    let results: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let mismatches = |model: &str| results["units"][0]["models"][model]["mismatches"].as_u64();
+    assert_eq!(mismatches("llvmpipe"), Some(0), "the model of this device");
+    assert!(mismatches("exact") > Some(0), "another model");
+    assert_eq!(results["version"], 1, "the schema's version");
+}
