@@ -114,7 +114,7 @@ impl Fixpoint {
             let _ = writeln!(text, "real numbers would come to rest at code {goal}");
         }
         let mut table =
-            table(["model", "ends at", "frames", "fixed points", "cycles", "alpha to move", "alpha to arrive"]);
+            output::table(["model", "ends at", "frames", "fixed points", "cycles", "alpha to move", "alpha to arrive"]);
         for answer in answers {
             let alpha = |alpha: Option<f32>| match alpha {
                 None => "none".to_owned(),
@@ -132,7 +132,7 @@ impl Fixpoint {
             ]);
         }
         text.push('\n');
-        text.push_str(&lines(&table));
+        text.push_str(&output::lines(&table));
         text.push('\n');
         for answer in answers {
             let _ = writeln!(text, "{}: {}", answer.model, verdict(answer));
@@ -226,7 +226,7 @@ fn sweep_table(sweeps: &[Sweep]) -> String {
     let mut text = "Farthest from the goal, above/below, over all 256 sources; by alpha code\n\n".to_owned();
     let shown = SHOWN.map(|alpha| alpha.to_string());
     let names = ["model"].into_iter().chain(shown.iter().map(String::as_str)).chain(["cycles", "most frames"]);
-    let mut table = table(names);
+    let mut table = output::table(names);
     if let Some(first) = sweeps.first() {
         let theory = SHOWN.map(|alpha| format!("{:.1}", first.rows[alpha].theory));
         table.add_row(["1 / (2 alpha)".to_owned()].into_iter().chain(theory));
@@ -238,17 +238,6 @@ fn sweep_table(sweeps: &[Sweep]) -> String {
         let start = [sweep.model.clone()].into_iter().chain(SHOWN.map(cell));
         table.add_row(start.chain([cycles.to_string(), frames.to_string()]));
     }
-    text.push_str(&lines(&table));
+    text.push_str(&output::lines(&table));
     text
-}
-
-fn table<'a>(header: impl IntoIterator<Item = &'a str>) -> comfy_table::Table {
-    let mut table = comfy_table::Table::new();
-    table.load_preset(comfy_table::presets::NOTHING);
-    table.set_header(header);
-    table
-}
-
-fn lines(table: &comfy_table::Table) -> String {
-    table.lines().map(|line| format!("{}\n", line.trim_end())).collect()
 }

@@ -10,6 +10,7 @@ mod list;
 mod output;
 mod render;
 mod report;
+mod texture;
 mod vectors;
 
 use std::process::ExitCode;
@@ -37,6 +38,8 @@ enum Command {
     Explain(explain::Explain),
     /// Where a fragment drawn again and again gets stuck: fixed points, limit cycles, smallest useful alpha.
     Fixpoint(fixpoint::Fixpoint),
+    /// What storing colors premultiplied costs PNG images: levels left, errors, fringes, a verdict.
+    Texture(texture::Texture),
     /// Apply, check or generate test vectors (JSON lines).
     #[command(subcommand)]
     Vectors(vectors::Vectors),
@@ -72,6 +75,7 @@ pub fn main() -> ExitCode {
         Command::Conform(command) => command.run(),
         Command::Explain(command) => command.run(),
         Command::Fixpoint(command) => command.run(),
+        Command::Texture(command) => command.run(),
         Command::Vectors(command) => command.run(),
         Command::Models(command) => command.run(),
         Command::Formats(command) => command.run(),
