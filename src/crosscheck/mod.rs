@@ -7,14 +7,19 @@
 //! - [`upload`], [`readback`]: target bytes to the device and back, exactly;
 //! - [`replay`]: a batch of layers over given targets, and the bytes afterwards;
 //! - [`sweep`], [`program`]: the fast path, fragments uploaded once or computed on the device;
-//! - `scene`: the fragments of a scene as a batch (feature `scene`).
+//! - `scene`: the fragments of a scene as a batch; `raster`, `drawn`: what the device's own rasteriser makes of its
+//!   triangles, and whole scenes drawn by the device, shading included (feature `scene`).
 
 pub mod adapter;
 pub mod batch;
 pub mod device;
+#[cfg(feature = "scene")]
+pub mod drawn;
 pub mod painter;
 pub mod pipeline;
 pub mod program;
+#[cfg(feature = "scene")]
+pub mod raster;
 pub mod readback;
 pub mod record;
 pub mod replay;

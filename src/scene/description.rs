@@ -1,11 +1,12 @@
 //! What a scene is made of, after reading and checking.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec3, Vec3};
 use wgpu_types::TextureFormat;
 
 use super::camera::Camera;
 use super::material::{Lighting, Material};
 use super::mesh::Mesh;
+use super::number::f64_to_f32;
 use super::queue::SortKey;
 use super::texture::Texture;
 use crate::format::ColorFormat;
@@ -91,7 +92,7 @@ pub struct DepthSpec {
 }
 
 /// What the fragment shader writes to a color target.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Output {
     /// The shaded color.
@@ -137,6 +138,12 @@ pub struct Replacement {
 }
 
 impl Scene {
+    /// The camera's position as the fragment shader has it.
+    #[must_use]
+    pub fn eye(&self) -> Vec3 {
+        Vec3::from_array(self.camera.eye.to_array().map(f64_to_f32))
+    }
+
     /// Middle of an object in world space.
     #[must_use]
     pub fn centre(&self, object: &Object) -> DVec3 {

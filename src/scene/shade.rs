@@ -1,12 +1,11 @@
 //! From draws to fragments: rasterise, shade, hand over in order.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 use super::description::{Output, Scene};
 use super::draw::{Draw, SceneVertex, VARYINGS};
 use super::material::surface::SurfaceShader;
 use super::material::{SurfaceInput, Work};
-use super::number::f64_to_f32;
 use super::raster::{Primitive, assemble};
 use super::texture::Footprint;
 use crate::fragment::Fragment;
@@ -70,7 +69,6 @@ struct Stage<'a> {
 
 impl<'a> Stage<'a> {
     fn new(scene: &'a Scene, draw: &'a Draw) -> Self {
-        let narrow = |v: DVec3| Vec3::from_array(v.to_array().map(f64_to_f32));
         let surface = SurfaceShader {
             material: &draw.material,
             texture: draw.material.texture.map(|index| &scene.textures[index]),
@@ -78,7 +76,7 @@ impl<'a> Stage<'a> {
             shader: draw.shader,
             lighting: &scene.lighting,
             light: draw.light,
-            eye: narrow(scene.camera.eye),
+            eye: scene.eye(),
         };
         Self { surface, outputs: scene.target.colors.iter().map(|color| color.output).collect() }
     }

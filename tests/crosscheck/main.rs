@@ -5,9 +5,13 @@
 #![cfg(feature = "gpu")]
 
 mod depth;
+#[cfg(feature = "scene")]
+mod drawn;
 mod formats;
 mod harness;
 mod layers;
+#[cfg(feature = "scene")]
+mod raster;
 #[cfg(feature = "scene")]
 mod scenes;
 mod sweeps;

@@ -4,7 +4,7 @@ use wgpu_types::{Face, FrontFace};
 
 use super::edge::{self, Edge, Span};
 use super::{RasterState, SUBPIXELS, Vertex, bias};
-use crate::scene::number::{f64_to_i64, u32_to_f32};
+use crate::scene::number::{f64_to_f32, f64_to_i64, u32_to_f32};
 
 /// A triangle on the pixel grid that faces the right way and has an area.
 #[derive(Clone, Debug)]
@@ -34,12 +34,14 @@ pub(super) struct Corner<const N: usize> {
 }
 
 impl<const N: usize> Corner<N> {
-    /// Division and viewport, each operation rounded to binary32: `x = (x_c * (1/w) * W/2 + W/2)`, y mirrored.
+    /// Division and viewport in binary32: `x = x_c * (1/w) * W/2 + W/2`, y mirrored. The last product and sum are
+    /// rounded once, as Mesa does it (measured: rounding twice covers one texel in a million differently on llvmpipe).
     fn new(vertex: &Vertex<N>, state: &RasterState) -> Self {
         let [x, y, z, w] = vertex.position;
         let inverse_w = 1.0 / w;
         let half = [u32_to_f32(state.extent.width) * 0.5, u32_to_f32(state.extent.height) * 0.5];
-        let window = [x * inverse_w * half[0] + half[0], -(y * inverse_w) * half[1] + half[1]];
+        let fused = |a: f32, b: f32| f64_to_f32(f64::from(a) * f64::from(b) + f64::from(b));
+        let window = [fused(x * inverse_w, half[0]), fused(-(y * inverse_w), half[1])];
         let [near, far] = state.depth_range;
         Self {
             position: window.map(|p| f64_to_i64(f64::from((p - 0.5).clamp(-MAX_POSITION, MAX_POSITION)) * 256.0)),

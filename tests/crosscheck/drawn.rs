@@ -1,0 +1,28 @@
+//! Bundled scenes drawn by the device itself, shading included, against the model.
+
+use outmerge::crosscheck::drawn::{Agreement, Drawer};
+use outmerge::model::llvmpipe::Llvmpipe;
+use outmerge::scene::Scene;
+
+use crate::harness::llvmpipe;
+
+#[test]
+fn bundled_scenes_are_covered_alike_and_stored_alike_where_fragments_are() {
+    let Some(device) = llvmpipe() else { return };
+    let mut drawer = Drawer::new(device);
+    let (mut wrong, mut all) = (Vec::new(), Agreement::default());
+    for (name, scene) in Scene::bundled() {
+        let scene = scene.unwrap_or_else(|error| panic!("{error}"));
+        let drawn = drawer.draw(&scene).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let agreement = Agreement::of(&scene, &drawn, &Llvmpipe::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
+        println!("{name}: {agreement:?}");
+        let Agreement { texels_covered_differently, alike_but_stored_differently, merged_differently, .. } = agreement;
+        if texels_covered_differently + alike_but_stored_differently + merged_differently > 0 {
+            wrong.push(format!("{name}: {agreement:?}"));
+        }
+        all.absorb(&agreement);
+    }
+    println!("all: {all:?}");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(all.texels_alike > 0, "some fragments must be alike for the comparison to mean anything: {all:?}");
+}

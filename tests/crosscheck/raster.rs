@@ -1,0 +1,202 @@
+//! The device's rasteriser against [`outmerge::scene::raster`]: the same triangles, texel by texel.
+
+use outmerge::Extent;
+use outmerge::crosscheck::Device;
+use outmerge::crosscheck::raster::{Covered, rasterise};
+use outmerge::scene::Scene;
+use outmerge::scene::draw::{SceneVertex, VARYINGS};
+use outmerge::scene::raster::{RasterState, assemble};
+
+use crate::harness::llvmpipe;
+
+/// What the model says of one texel after all triangles, and how steep its values are there.
+#[derive(Clone, Copy, Default)]
+struct Predicted {
+    covered: Covered,
+    /// Change of depth, and of each varying, over one sub-pixel to the right plus one down.
+    depth_step: f32,
+    varying_steps: [f32; VARYINGS],
+}
+
+fn predict(triangles: &[[SceneVertex; 3]], state: &RasterState) -> Vec<Predicted> {
+    let mut texels = vec![Predicted::default(); state.extent.sample_total()];
+    for primitive in triangles.iter().flat_map(|triangle| assemble(*triangle, state)) {
+        for span in primitive.spans() {
+            for x in span.start..span.end {
+                let y = span.y;
+                let texel = &mut texels[state.extent.index(x, y, 0)];
+                let step = |at: f32, right: f32, down: f32| ((right - at).abs() + (down - at).abs()) / 256.0;
+                let [at, right, down] = [(x, y), (x + 1, y), (x, y + 1)].map(|(x, y)| primitive.varyings(x, y));
+                *texel = Predicted {
+                    covered: Covered {
+                        count: texel.covered.count + 1,
+                        depth: primitive.depth(x, y),
+                        front_facing: primitive.front_facing(),
+                        varyings: at,
+                    },
+                    depth_step: step(primitive.depth(x, y), primitive.depth(x + 1, y), primitive.depth(x, y + 1)),
+                    varying_steps: std::array::from_fn(|i| step(at[i], right[i], down[i])),
+                };
+            }
+        }
+    }
+    texels
+}
+
+/// How interpolated values differ.
+#[derive(Debug, Default)]
+struct Distance {
+    values: u64,
+    equal_bits: u64,
+    sum: f64,
+    largest: f32,
+    /// The largest difference left over when the value may be taken at a point up to one sub-pixel away.
+    beyond_a_subpixel: f32,
+}
+
+impl Distance {
+    fn add(&mut self, model: f32, device: f32, step: f32) {
+        let distance = (model - device).abs();
+        self.values += 1;
+        self.equal_bits += u64::from(model.to_bits() == device.to_bits());
+        self.sum += f64::from(distance);
+        self.largest = self.largest.max(distance);
+        self.beyond_a_subpixel = self.beyond_a_subpixel.max(distance - step);
+    }
+}
+
+impl std::fmt::Display for Distance {
+    #[expect(clippy::cast_precision_loss, reason = "counts far below 2^53")]
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (values, equal) = (self.values.max(1) as f64, self.equal_bits as f64);
+        let (share, mean, largest, rest) =
+            (100.0 * equal / values, self.sum / values, self.largest, self.beyond_a_subpixel);
+        write!(f, "{share:.1} % equal, mean {mean:.1e}, largest {largest:.1e}, beyond a sub-pixel {rest:.1e}")
+    }
+}
+
+/// How two lists of texels differ.
+#[derive(Debug, Default)]
+struct Difference {
+    texels: usize,
+    coverage: usize,
+    facing: usize,
+    depth: Distance,
+    varyings: Distance,
+}
+
+impl Difference {
+    fn add(&mut self, model: &[Predicted], device: &[Covered]) {
+        for (predicted, device) in model.iter().zip(device).filter(|(a, b)| a.covered.count + b.count > 0) {
+            let model = predicted.covered;
+            self.texels += 1;
+            if model.count != device.count {
+                self.coverage += 1;
+                continue;
+            }
+            self.facing += usize::from(model.front_facing != device.front_facing);
+            self.depth.add(model.depth, device.depth, predicted.depth_step);
+            for i in 0..VARYINGS {
+                self.varyings.add(model.varyings[i], device.varyings[i], predicted.varying_steps[i]);
+            }
+        }
+    }
+}
+
+impl std::fmt::Display for Difference {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { texels, coverage, facing, depth, varyings } = self;
+        write!(
+            f,
+            "{texels} texels, {coverage} covered differently, {facing} facing differently; depth: {depth}; varyings: {varyings}"
+        )
+    }
+}
+
+fn compare(device: &Device, triangles: &[[SceneVertex; 3]], state: &RasterState, total: &mut Difference) {
+    let got = rasterise(device, triangles, state).unwrap_or_else(|error| panic!("{error}"));
+    total.add(&predict(triangles, state), &got);
+}
+
+/// A fixed sequence of numbers in [0, 1).
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        f32::from(u16::try_from(self.0 >> 48).expect("16 bits")) / 65_536.0
+    }
+
+    fn triangle(&mut self, reach: f32, perspective: bool, clipped: bool) -> [SceneVertex; 3] {
+        std::array::from_fn(|_| {
+            let w = if perspective { 0.5 + 4.0 * self.next() } else { 1.0 };
+            let mut signed = || (2.0 * self.next() - 1.0) * reach * w;
+            let (x, y) = (signed(), signed());
+            let z = if clipped { 2.0 * self.next() - 0.5 } else { self.next() } * w;
+            SceneVertex { position: [x, y, z, w], varyings: std::array::from_fn(|_| self.next()) }
+        })
+    }
+}
+
+/// Rounding left when both sides interpolate the same plane: a few units in the last place of values around 1 to 4.
+const ROUNDING: f32 = 1e-6;
+
+#[test]
+fn coverage_of_triangles_inside_the_target_is_the_devices() {
+    let Some(device) = llvmpipe() else { return };
+    let mut numbers = Numbers(1);
+    for (width, height, perspective) in [(64, 64, false), (64, 64, true), (100, 37, false), (255, 129, true)] {
+        let state = RasterState::new(Extent::new(width, height).expect("a legal extent"));
+        let mut total = Difference::default();
+        for _ in 0..10 {
+            let triangles: Vec<_> = (0..60).map(|_| numbers.triangle(1.0, perspective, false)).collect();
+            compare(device, &triangles, &state, &mut total);
+        }
+        println!("{width} x {height}, perspective {perspective}: {total}");
+        assert_eq!((total.coverage, total.facing), (0, 0), "texels covered or facing differently: {total}");
+        assert!(total.depth.beyond_a_subpixel <= ROUNDING, "depth is linear: {total}");
+    }
+}
+
+/// llvmpipe cuts triangles at the edges of the target and snaps the new corners to its grid; the model's guard band
+/// leaves them whole. Both are allowed, so a few texels along edges that run out of the picture differ.
+#[test]
+fn triangles_that_leave_the_target_are_covered_alike_but_for_one_texel_in_a_thousand() {
+    let Some(device) = llvmpipe() else { return };
+    let mut numbers = Numbers(2);
+    for (reach, clipped) in [(3.0, false), (1.0, true), (3.0, true), (40.0, false)] {
+        let state = RasterState::new(Extent::new(128, 96).expect("a legal extent"));
+        let mut total = Difference::default();
+        for _ in 0..10 {
+            let triangles: Vec<_> = (0..60).map(|_| numbers.triangle(reach, true, clipped)).collect();
+            compare(device, &triangles, &state, &mut total);
+        }
+        println!("reach {reach}, near or far plane {clipped}: {total}");
+        assert!(1000 * total.coverage <= total.texels, "more than one texel in a thousand: {total}");
+        assert_eq!(total.facing, 0, "facing: {total}");
+    }
+}
+
+#[test]
+fn bundled_scenes_are_covered_alike_and_interpolated_within_a_sub_pixel() {
+    let Some(device) = llvmpipe() else { return };
+    let mut wrong = Vec::new();
+    let mut all = Difference::default();
+    for (name, scene) in Scene::bundled() {
+        let scene = scene.unwrap_or_else(|error| panic!("{error}"));
+        let mut total = Difference::default();
+        for draw in scene.draws() {
+            let got = rasterise(device, &draw.triangles, &draw.raster).unwrap_or_else(|error| panic!("{error}"));
+            let predicted = predict(&draw.triangles, &draw.raster);
+            total.add(&predicted, &got);
+            all.add(&predicted, &got);
+        }
+        println!("{name}: {total}");
+        let rest = total.depth.beyond_a_subpixel.max(total.varyings.beyond_a_subpixel);
+        if total.coverage + total.facing > 0 || rest > ROUNDING {
+            wrong.push(format!("{name}: {total}"));
+        }
+    }
+    println!("all: {all}");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
