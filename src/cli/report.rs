@@ -7,7 +7,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{Failure, Outcome, output, render};
 use crate::model::{NumericModel, registry};
-use crate::report;
+use crate::report::{self, device::DeviceSection};
 use crate::scene::Scene;
 
 /// Arguments of `report`.
@@ -24,35 +24,83 @@ pub(super) struct Report {
     /// Print the report as JSON instead of the table.
     #[arg(long)]
     json: bool,
+    /// Draw the scenes on this device too, by part of its name or driver; the first one unless given.
+    #[cfg(feature = "gpu")]
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+    /// Draw on no device.
+    #[cfg(feature = "gpu")]
+    #[arg(long, conflicts_with = "adapter")]
+    no_device: bool,
+}
+
+/// A progress bar over scenes, on stderr.
+fn progress(scenes: usize, doing: &'static str) -> Result<ProgressBar, Failure> {
+    let style = ProgressStyle::with_template("{prefix} {bar:40} {pos}/{len} scenes {elapsed}")?;
+    Ok(ProgressBar::new(scenes as u64).with_style(style).with_prefix(doing))
 }
 
 impl Report {
     pub(super) fn run(self) -> Result<Outcome, Failure> {
+        #[cfg(feature = "gpu")]
+        if !self.no_device {
+            crate::crosscheck::adapter::reexec_without_shader_cache()?;
+        }
         let models = self.models()?;
         let models: Vec<&dyn NumericModel> = models.iter().map(AsRef::as_ref).collect();
         let scenes = self.scenes()?;
         std::fs::create_dir_all(&self.output)
             .map_err(|error| format!("cannot make the folder {}: {error}", self.output.display()))?;
 
-        let bar = ProgressBar::new(scenes.len() as u64)
-            .with_style(ProgressStyle::with_template("rendering {bar:40} {pos}/{len} scenes {elapsed}")?);
+        let bar = progress(scenes.len(), "rendering")?;
         let reports = report::compare(&scenes, &models, &|| bar.inc(1))?;
         bar.finish_and_clear();
 
+        let device = self.device(&scenes)?;
         let rows = report::summarize(&reports);
-        let page = report::html::page(&reports, &rows, "outmerge report")?;
+        let page = report::html::page(&reports, &rows, &device, "outmerge report")?;
         let index = self.output.join("index.html");
         output::write_file(&index, |file| Ok(file.write_all(page.as_bytes())?))?;
-        let data = serde_json::json!({ "version": 1, "models": rows, "scenes": reports });
+        let data = serde_json::json!({ "version": 1, "models": rows, "device": device, "scenes": reports });
         let json = serde_json::to_string_pretty(&data)?;
         output::write_file(&self.output.join("report.json"), |file| Ok(writeln!(file, "{json}")?))?;
         if self.json {
             output::print(&format!("{json}\n"))?;
         } else {
-            output::print(&report::table(&rows))?;
+            output::print(&format!("{}\n{device}\n", report::table(&rows)))?;
             eprintln!("wrote {}", index.display());
         }
         Ok(Outcome::Fine)
+    }
+
+    #[cfg(not(feature = "gpu"))]
+    #[expect(
+        clippy::unnecessary_wraps,
+        clippy::unused_self,
+        reason = "with the feature `gpu` it reads both and may fail"
+    )]
+    fn device(&self, _: &[(String, Scene)]) -> Result<DeviceSection, Failure> {
+        let reason = "this outmerge was built without the feature `gpu`; build it with --all-features".to_owned();
+        Ok(DeviceSection::NotRun { reason })
+    }
+
+    /// What the device makes of the scenes. Only a device that was asked for by name must be there.
+    #[cfg(feature = "gpu")]
+    fn device(&self, scenes: &[(String, Scene)]) -> Result<DeviceSection, Failure> {
+        use crate::crosscheck::{Device, OpenOptions};
+        if self.no_device {
+            return Ok(DeviceSection::NotRun { reason: "--no-device was given".to_owned() });
+        }
+        match Device::open(&OpenOptions { adapter: self.adapter.clone(), ..OpenOptions::default() }) {
+            Ok(device) => {
+                let bar = progress(scenes.len(), "drawing")?;
+                let report = report::device::draw(&device, scenes, &|| bar.inc(1));
+                bar.finish_and_clear();
+                Ok(DeviceSection::Run(report))
+            }
+            Err(error) if self.adapter.is_some() => Err(error.into()),
+            Err(error) => Ok(DeviceSection::NotRun { reason: error.to_string() }),
+        }
     }
 
     /// The models, `exact` first.

@@ -4,6 +4,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
+use super::device::{self, DeviceSection};
 use super::difference::LEGEND;
 use super::{ModelReport, ModelSummary, SceneReport};
 use crate::scene::Picture;
@@ -15,7 +16,13 @@ const STYLE: &str = include_str!("style.css");
 ///
 /// # Errors
 /// When a picture cannot be encoded as PNG.
-pub fn page(scenes: &[SceneReport], rows: &[ModelSummary], command: &str) -> Result<String, image::ImageError> {
+pub fn page(
+    scenes: &[SceneReport],
+    rows: &[ModelSummary],
+    device: &DeviceSection,
+    command: &str,
+) -> Result<String, image::ImageError> {
+    let device = device::page::section(device)?;
     let sections = scenes.iter().map(section).collect::<Result<Vec<_>, _>>()?;
     let markup = html! {
         (DOCTYPE)
@@ -40,6 +47,7 @@ pub fn page(scenes: &[SceneReport], rows: &[ModelSummary], command: &str) -> Res
                         p.note { "Errors are in codes of the target: integers stored for normalised formats, representable \
                                   numbers for floats. Times are of the reference merger on this machine." }
                     }
+                    (device)
                     nav { @for scene in scenes { a href={"#" (scene.name)} { (scene.title) } } }
                     (legend())
                     @for section in &sections { (section) }
@@ -125,7 +133,7 @@ fn figure(model: &ModelReport) -> Result<Markup, image::ImageError> {
 }
 
 /// A picture as a data URI.
-fn image(picture: &Picture, alternative: &str) -> Result<Markup, image::ImageError> {
+pub(super) fn image(picture: &Picture, alternative: &str) -> Result<Markup, image::ImageError> {
     let uri = format!("data:image/png;base64,{}", STANDARD.encode(picture.to_png()?));
     Ok(html! { img src=(uri) alt=(alternative) width=(picture.width) height=(picture.height); })
 }

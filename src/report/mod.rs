@@ -1,7 +1,9 @@
 //! Reports: every scene in every numeric model, as data, as a table and as one self-contained HTML page.
 //!
-//! [`compare`] makes the data; [`html`] and [`table`](fn@table) show it.
+//! [`compare`] makes the data; [`html`] and [`table`](fn@table) show it. [`device`] adds what a real driver makes of the
+//! same scenes.
 
+pub mod device;
 pub mod difference;
 pub mod html;
 

@@ -1,0 +1,132 @@
+//! Scenes drawn by a device itself, compared with the model; or why none were drawn.
+
+pub mod page;
+
+use serde::Serialize;
+
+#[cfg(feature = "gpu")]
+use crate::{
+    crosscheck::Device,
+    crosscheck::drawn::{Agreement, Drawer, Drawn},
+    model::{NumericModel, exact::Exact, llvmpipe::Llvmpipe},
+    report::difference::{Difference, Differences},
+    scene::{Picture, PictureAlpha, Scene},
+};
+#[cfg(feature = "gpu")]
+use rayon::prelude::*;
+
+/// What the report has of a device.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DeviceSection {
+    /// No scene was drawn.
+    NotRun {
+        /// Why, and what to do about it.
+        reason: String,
+    },
+    /// The device drew the scenes.
+    #[cfg(feature = "gpu")]
+    Run(DeviceReport),
+}
+
+impl std::fmt::Display for DeviceSection {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::NotRun { reason } => write!(f, "drawn by a device: not run: {reason}"),
+            #[cfg(feature = "gpu")]
+            Self::Run(report) => {
+                let all = &report.all;
+                write!(
+                    f,
+                    "drawn by {}: of {} pixels {} covered differently; {} alike in every fragment, of these {} stored \
+                     differently; {} stored differently in all",
+                    report.adapter,
+                    all.texels,
+                    all.texels_covered_differently,
+                    all.texels_alike,
+                    all.alike_but_stored_differently,
+                    all.stored_differently
+                )
+            }
+        }
+    }
+}
+
+/// What a device made of the scenes.
+#[cfg(feature = "gpu")]
+#[derive(Clone, Debug, Serialize)]
+pub struct DeviceReport {
+    /// The device and its driver.
+    pub adapter: String,
+    /// The model it is compared with: `llvmpipe` for llvmpipe, else `exact`.
+    pub model: String,
+    /// All scenes together.
+    pub all: Agreement,
+    /// The scenes.
+    pub scenes: Vec<DeviceScene>,
+}
+
+/// One scene on a device.
+#[cfg(feature = "gpu")]
+#[derive(Clone, Debug, Serialize)]
+pub struct DeviceScene {
+    /// File name without extension.
+    pub name: String,
+    /// Title.
+    pub title: String,
+    /// What came of it, or why the device could not draw it.
+    pub outcome: Result<DeviceOutcome, String>,
+}
+
+/// A drawn scene.
+#[cfg(feature = "gpu")]
+#[derive(Clone, Debug, Serialize)]
+pub struct DeviceOutcome {
+    /// Coverage, fragments and stored colors.
+    pub agreement: Agreement,
+    /// Stored colors of all targets, in codes.
+    pub difference: Difference,
+    /// The device's picture, color target 0.
+    #[serde(skip)]
+    pub picture: Picture,
+    /// Where and how much it differs from the model's.
+    #[serde(skip)]
+    pub heat_map: Picture,
+}
+
+/// Draws each scene on `device` and compares it with the model.
+///
+/// `done` is called after each scene, from any thread.
+#[cfg(feature = "gpu")]
+#[must_use]
+pub fn draw(device: &Device, scenes: &[(String, Scene)], done: &(dyn Fn() + Sync)) -> DeviceReport {
+    let llvmpipe = device.report().name.contains("llvmpipe");
+    let model: Box<dyn NumericModel> =
+        if llvmpipe { Box::new(Llvmpipe::default()) } else { Box::new(Exact::default()) };
+    let mut drawer = Drawer::new(device);
+    let drawn: Vec<_> = scenes.iter().map(|(_, scene)| drawer.draw(scene).map_err(|error| error.to_string())).collect();
+    let one = |((name, scene), drawn): (&(String, Scene), Result<Drawn, String>)| {
+        let outcome = drawn.and_then(|drawn| outcome(scene, &drawn, model.as_ref()));
+        done();
+        DeviceScene { name: name.clone(), title: scene.title.clone(), outcome }
+    };
+    let scenes: Vec<_> = scenes.par_iter().zip(drawn).map(one).collect();
+    let mut all = Agreement::default();
+    scenes.iter().filter_map(|scene| scene.outcome.as_ref().ok()).for_each(|outcome| all.absorb(&outcome.agreement));
+    DeviceReport { adapter: device.report().to_string(), model: model.name(), all, scenes }
+}
+
+#[cfg(feature = "gpu")]
+fn outcome(scene: &Scene, drawn: &Drawn, model: &dyn NumericModel) -> Result<DeviceOutcome, String> {
+    let agreement = Agreement::of(scene, drawn, model).map_err(|error| error.to_string())?;
+    let expected = scene.render(model).map_err(|error| error.to_string())?.framebuffer;
+    let pairs = drawn.framebuffer.colors.iter().flatten().zip(expected.colors.iter().flatten());
+    let differences: Vec<_> = pairs.map(|(device, model)| Differences::between(device, model)).collect();
+    let mut difference = Difference::default();
+    differences.iter().for_each(|part| difference.absorb(&part.summary()));
+    let empty = || Picture { width: 0, height: 0, rgba: Vec::new() };
+    let first = drawn.framebuffer.colors.iter().flatten().next();
+    let picture = first.map_or_else(empty, |t| Picture::of_color(t, scene.target.display, PictureAlpha::Opaque));
+    let heat_map = differences.first().map_or_else(empty, Differences::heat_map);
+    Ok(DeviceOutcome { agreement, difference, picture, heat_map })
+}
