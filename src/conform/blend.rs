@@ -99,7 +99,7 @@ fn run_states(
         for (s, subject) in subjects.iter().enumerate() {
             let model = subject.model.as_ref();
             if let Err(reason) = model.supports(format, blend.as_ref()) {
-                tally.models[s].not_run.get_or_insert_with(|| reason.to_string());
+                tally.models[s].not_run.get_or_insert_with(|| reason.reason.to_owned());
                 continue;
             }
             let expected = |i| {

@@ -75,7 +75,7 @@ pub(super) fn run(
                 }),
             };
             if let Err(reason) = subject.model.supports(format, None) {
-                tally.models[s].not_run = Some(reason.to_string());
+                tally.models[s].not_run = Some(reason.reason.to_owned());
                 continue;
             }
             let found = compare(got.len() / format.bytes_per_texel(), |i| {

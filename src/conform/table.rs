@@ -34,10 +34,14 @@ pub fn text(results: &Results) -> String {
     text
 }
 
-/// The same as a Markdown section.
+/// The same as a Markdown page.
 #[must_use]
 pub fn markdown(results: &Results) -> String {
-    let mut text = format!("Adapter: {}. Level: {}.\n\n", results.adapter, results.level);
+    let mut text = format!(
+        "# Which models match {}\n\nMade by `outmerge conform --level {} --markdown FILE`. A state matches when every texel \
+         does, bit for bit.\n\n",
+        results.adapter, results.level
+    );
     let _ = writeln!(text, "| states matched | texels | {} |", results.models.join(" | "));
     let _ = writeln!(text, "|---|--:|{}", "--:|".repeat(results.models.len()));
     for (format, texels, cells) in rows(results) {
@@ -73,18 +77,21 @@ fn rows(results: &Results) -> impl Iterator<Item = (String, u64, Vec<String>)> {
 /// Units, and models in units, that were not compared, each with its reason.
 fn not_run(results: &Results) -> Vec<String> {
     let mut lines = Vec::new();
-    let mut left_out: BTreeMap<(&String, &String), usize> = BTreeMap::new();
+    let mut left_out: BTreeMap<(&String, &String), String> = BTreeMap::new();
     for unit in &results.units {
         if let Some(reason) = &unit.not_run {
             lines.push(format!("{}: {reason}", unit.unit));
         }
         for (model, outcome) in &unit.models {
             if let Some(reason) = &outcome.not_run {
-                *left_out.entry((model, reason)).or_default() += 1;
+                let formats = left_out.entry((model, reason)).or_default();
+                if !formats.ends_with(unit.format.as_str()) {
+                    let _ = write!(formats, "{}{}", if formats.is_empty() { "" } else { ", " }, unit.format);
+                }
             }
         }
     }
-    lines.extend(left_out.into_iter().map(|((model, reason), units)| format!("{model} in {units} units: {reason}")));
+    lines.extend(left_out.into_iter().map(|((model, reason), formats)| format!("{model} on {formats}: {reason}")));
     lines
 }
 
@@ -156,7 +163,7 @@ mod tests {
     fn what_was_not_run_is_named_with_its_reason() {
         for text in [text(&results()), markdown(&results())] {
             assert!(text.contains("not run: v: no such format"), "a unit: {text}");
-            assert!(text.contains("not run: c in 1 units: too slow"), "a model: {text}");
+            assert!(text.contains("not run: c on r8unorm: too slow"), "a model: {text}");
         }
     }
 
