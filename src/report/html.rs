@@ -6,8 +6,9 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::device::{self, DeviceSection};
 use super::difference::LEGEND;
-use super::{ModelReport, ModelSummary, SceneReport};
+use super::{ModelReport, ModelSummary, ReferenceReport, SceneReport};
 use crate::scene::Picture;
+use crate::scene::queue::RenderQueue;
 
 /// The page's style sheet.
 const STYLE: &str = include_str!("style.css");
@@ -23,7 +24,8 @@ pub fn page(
     command: &str,
 ) -> Result<String, image::ImageError> {
     let device = device::page::section(device)?;
-    let sections = scenes.iter().map(section).collect::<Result<Vec<_>, _>>()?;
+    let groups = scenes.chunk_by(|a, b| a.technique == b.technique);
+    let sections = groups.map(group).collect::<Result<Vec<_>, _>>()?;
     let markup = html! {
         (DOCTYPE)
         html lang="en" {
@@ -47,9 +49,9 @@ pub fn page(
                         p.note { "Errors are in codes of the target: integers stored for normalised formats, representable \
                                   numbers for floats. Times are of the reference merger on this machine." }
                     }
-                    (device)
                     nav { @for scene in scenes { a href={"#" (scene.name)} { (scene.title) } } }
                     (legend())
+                    (device)
                     @for section in &sections { (section) }
                 }
             }
@@ -89,24 +91,58 @@ fn legend() -> Markup {
     }
 }
 
+/// The scenes of one technique: side by side if there are several, then one by one.
+fn group(scenes: &[SceneReport]) -> Result<Markup, image::ImageError> {
+    let sections = scenes.iter().map(section).collect::<Result<Vec<_>, _>>()?;
+    let mut pictures = Vec::new();
+    for scene in scenes {
+        let model = scene.models.first().map(|model| image(&model.picture, &scene.title)).transpose()?;
+        pictures.push((model, html! { a href={"#" (scene.name)} { (scene.title) } }));
+    }
+    let technique = scenes.first().map_or("", |scene| scene.technique.as_str());
+    Ok(html! {
+        @if scenes.len() > 1 { section {
+            h2 { (technique.replace('-', " ")) ", side by side" }
+            div.figures { @for (picture, title) in &pictures { figure.single { @if let Some(picture) = picture { (picture) } figcaption { (title) } } } }
+        } }
+        @for section in &sections { (section) }
+    })
+}
+
 fn section(scene: &SceneReport) -> Result<Markup, image::ImageError> {
     let exact = scene.models.first();
     let figures = scene.models.iter().map(figure).collect::<Result<Vec<_>, _>>()?;
     let fragments = exact.map_or(0, |model| model.fragments);
+    let reference = scene.reference.as_ref().map(reference).transpose()?;
     Ok(html! {
         section #(scene.name) {
             h2 { (scene.title) " " small { (scene.technique) ", " (scene.format) } }
             p { (scene.explanation) }
-            div.figures { @for figure in &figures { (figure) } }
+            div.figures { @if let Some(reference) = &reference { (reference) } @for figure in &figures { (figure) } }
             details {
                 summary { (scene.draws.len()) " draws, " (fragments) " fragments, in this order" }
                 table {
                     thead { tr { th { "#" } th { "object" } th { "pass" } th { "queue" } th { "distance" } th { "shader evaluates" } } }
                     tbody { @for (i, draw) in scene.draws.iter().enumerate() { tr {
-                        td { (i + 1) } th scope="row" { (draw.object) } td { (draw.pass) } td { (draw.queue) }
+                        td { (i + 1) } th scope="row" { (draw.object) } td { (draw.pass) }
+                        td { (draw.queue) " " (queue_name(draw.queue)) }
                         td { (format!("{:.3}", draw.distance)) } td { (draw.keywords.join(", ")) }
                     } } }
                 }
+            }
+        }
+    })
+}
+
+fn reference(reference: &ReferenceReport) -> Result<Markup, image::ImageError> {
+    let wrong = reference.difference.pixels_differing;
+    let picture = image(&reference.picture, "every pixel's fragments sorted")?;
+    Ok(html! {
+        figure.single {
+            (picture)
+            figcaption {
+                b { "sorted per pixel" }
+                @if wrong == 0 { " as drawn" } @else { " as it should be; drawn, " (wrong) " pixels differ" }
             }
         }
     })
@@ -130,6 +166,11 @@ fn figure(model: &ModelReport) -> Result<Markup, image::ImageError> {
             }
         }
     })
+}
+
+/// A queue's number as a name with an offset.
+fn queue_name(number: u16) -> String {
+    RenderQueue::new(number.into()).map_or_else(|_| String::new(), |queue| queue.to_string())
 }
 
 /// A picture as a data URI.

@@ -1,10 +1,11 @@
 //! Reports: every scene in every numeric model, as data, as a table and as one self-contained HTML page.
 //!
 //! [`compare`] makes the data; [`html`] and [`table`](fn@table) show it. [`device`] adds what a real driver makes of the
-//! same scenes.
+//! same scenes; [`gallery`](mod@gallery) shows one picture of each.
 
 pub mod device;
 pub mod difference;
+pub mod gallery;
 pub mod html;
 
 use std::time::Duration;
@@ -13,7 +14,10 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::model::NumericModel;
+use crate::model::exact::Exact;
+use crate::scene::description::Reference;
 use crate::scene::{DrawReport, Picture, PictureAlpha, Rendered, Scene, SceneError};
+use crate::target::Framebuffer;
 use difference::{Difference, Differences};
 
 /// One scene in every model.
@@ -33,6 +37,18 @@ pub struct SceneReport {
     pub draws: Vec<DrawReport>,
     /// The models, `exact` first.
     pub models: Vec<ModelReport>,
+    /// What it should have looked like, if the scene asks for that.
+    pub reference: Option<ReferenceReport>,
+}
+
+/// The reference a scene asks for, in the `exact` model.
+#[derive(Clone, Debug, Serialize)]
+pub struct ReferenceReport {
+    /// How `exact`'s target 0 differs from it, in codes.
+    pub difference: Difference,
+    /// The picture, color target 0.
+    #[serde(skip)]
+    pub picture: Picture,
 }
 
 /// One scene in one model.
@@ -117,7 +133,21 @@ fn compare_scene(name: &str, scene: &Scene, models: &[&dyn NumericModel]) -> Res
         format: scene.target.colors[0].format.name().to_owned(),
         draws: yardstick.draws.clone(),
         models: rendered.iter().map(|r| model_report(scene, r, yardstick)).collect(),
+        reference: match scene.reference {
+            Some(Reference::Sorted) => reference_report(scene, yardstick)?,
+            None => None,
+        },
     })
+}
+
+fn reference_report(scene: &Scene, yardstick: &Rendered) -> Result<Option<ReferenceReport>, SceneError> {
+    let sorted = scene.render_sorted_per_pixel(&Exact::default())?;
+    let first = |framebuffer: &Framebuffer| framebuffer.colors.first().cloned().flatten();
+    let pair = first(&sorted).zip(first(&yardstick.framebuffer));
+    Ok(pair.map(|(sorted, drawn)| ReferenceReport {
+        difference: Differences::between(&drawn, &sorted).summary(),
+        picture: Picture::of_color(&sorted, scene.target.display, PictureAlpha::Opaque),
+    }))
 }
 
 fn model_report(scene: &Scene, rendered: &Rendered, yardstick: &Rendered) -> ModelReport {

@@ -25,6 +25,7 @@ scenes! {
     "transparent-at-alpha-one",
     "light-passes",
     "four-modes",
+    "queue-custom",
     "queue-offsets",
     "queue-order",
     "replacement-cutout",

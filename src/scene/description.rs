@@ -39,6 +39,8 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// How the drawing order is found.
     pub order: Order,
+    /// A picture that reports show beside the scene's, if any.
+    pub reference: Option<Reference>,
     /// Replacement shading, if any.
     pub replacement: Option<Replacement>,
 }
@@ -124,6 +126,14 @@ pub enum Order {
     Listed,
     /// By render queue and distance, after the faces of blended objects were split where they cross each other.
     Split,
+}
+
+/// What a scene should have looked like.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Reference {
+    /// Every pixel's fragments merged from far to near, see [`Scene::render_sorted_per_pixel`].
+    Sorted,
 }
 
 /// Replacement shading: objects with a render type tag are drawn in one flat color.

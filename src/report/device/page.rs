@@ -73,12 +73,14 @@ fn figure(scene: &DeviceScene) -> Result<Markup, image::ImageError> {
 #[cfg(feature = "gpu")]
 fn caption(outcome: &DeviceOutcome) -> Markup {
     let (agreement, difference) = (&outcome.agreement, &outcome.difference);
+    let codes = if difference.max_codes == 1 { "1 code".to_owned() } else { format!("{} codes", difference.max_codes) };
     html! {
         @if agreement.texels_covered_differently == 0 { " covered alike" }
         @else { " " (agreement.texels_covered_differently) " pixels covered differently" }
-        ", " (agreement.outputs_differing) " of " (agreement.fragments) " fragments with other colors (at most "
-        (format!("{:.0e}", agreement.largest_output)) "), "
+        ", " (agreement.outputs_differing) " of " (agreement.fragments) " fragments with other colors"
+        @if agreement.largest_output > 0.0 { " (by at most " (format!("{:.0e}", agreement.largest_output)) ")" }
+        ", "
         @if difference.pixels_differing == 0 { "every stored byte equal" }
-        @else { (difference.pixels_differing) " pixels stored differently, at most " (difference.max_codes) " codes" }
+        @else { (difference.pixels_differing) " pixels stored differently, at most " (codes) }
     }
 }

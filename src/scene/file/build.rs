@@ -55,6 +55,7 @@ pub(super) fn build(file: &FileScene, folder: &Path) -> Result<Scene, Fault> {
         materials,
         objects: Vec::new(),
         order: file.order,
+        reference: file.reference,
         replacement: None,
     };
     for (i, object) in file.object.iter().enumerate() {

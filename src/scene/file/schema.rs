@@ -5,7 +5,7 @@ use serde::Deserialize;
 use serde::de::{Deserializer, Error, Visitor};
 use wgpu_types::{AddressMode, FilterMode, MipmapFilterMode};
 
-use crate::scene::description::{Display, Order, Output};
+use crate::scene::description::{Display, Order, Output, Reference};
 use crate::scene::material::{RenderingMode, Shader};
 use crate::scene::texture::{ColorSpace, Pattern, Storage};
 
@@ -40,6 +40,7 @@ pub(super) struct FileScene {
     pub(super) model: Vec<FileModel>,
     #[serde(default)]
     pub(super) order: Order,
+    pub(super) reference: Option<Reference>,
     pub(super) replacement: Option<FileReplacement>,
 }
 

@@ -120,6 +120,24 @@ fn queues_come_before_distance() {
 }
 
 #[test]
+fn a_custom_queue_overrides_the_modes_and_minus_one_keeps_it() {
+    let scene = bundled("queue-custom");
+    let rendered = exact(&scene);
+    let queues: Vec<_> = rendered.draws.iter().map(|draw| (draw.object.as_str(), draw.queue)).collect();
+    assert_eq!(queues, [("early", 2000), ("own queue", 2450), ("glass", 3000), ("late", 3100)], "in drawing order");
+    let kept = |draw: usize| {
+        let pixels = fragments(&scene, draw);
+        let middle = pixels.iter().find(|pixel| pixel.y == 64 && !pixel.fragment.discarded).expect("bars stay");
+        (texel(&rendered, middle.x, middle.y), middle.fragment.outputs[0].map(|c| (f64::from(c) * 255.0).round()))
+    };
+    for (draw, seen) in [(0, false), (1, false), (3, true)] {
+        let (stored, color) = kept(draw);
+        let pure = stored[..3].iter().zip(color).all(|(code, color)| f64::from(*code) == color);
+        assert_eq!(pure, seen, "{}: untinted by the glass, stored {stored:?} for {color:?}", queues[draw].0);
+    }
+}
+
+#[test]
 fn replacement_shading_draws_one_render_type_in_one_color() {
     let scene = bundled("replacement-cutout");
     let rendered = exact(&scene);

@@ -1,0 +1,27 @@
+//! Makes `docs/gallery.md` and its pictures: `cargo run --release --example gallery`.
+
+use std::path::Path;
+
+use outmerge::report::gallery::gallery;
+use outmerge::scene::Scene;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
+    let scenes = Scene::bundled().map(|(name, scene)| Ok((name.to_owned(), scene?)));
+    let scenes = scenes.collect::<Result<Vec<_>, outmerge::scene::SceneFileError>>()?;
+    let gallery = gallery(&scenes, "cargo run --release --example gallery")?;
+    let folder = docs.join("gallery");
+    if folder.exists() {
+        std::fs::remove_dir_all(&folder)?;
+    }
+    std::fs::create_dir_all(&folder)?;
+    let mut bytes = 0;
+    for (file, picture) in &gallery.pictures {
+        let png = picture.to_png()?;
+        bytes += png.len();
+        std::fs::write(folder.join(file), png)?;
+    }
+    std::fs::write(docs.join("gallery.md"), &gallery.page)?;
+    println!("docs/gallery.md: {} scenes, {} pictures, {bytes} bytes", scenes.len(), gallery.pictures.len());
+    Ok(())
+}

@@ -1,0 +1,101 @@
+//! All scenes as a page of Markdown with one small picture each, side by side by technique.
+
+use std::fmt::Write as _;
+
+use crate::model::exact::Exact;
+use crate::scene::description::Reference;
+use crate::scene::{Picture, PictureAlpha, Scene, SceneError};
+use crate::target::Framebuffer;
+
+/// Pictures in a row of the page.
+const COLUMNS: usize = 4;
+
+/// The page and its pictures.
+#[derive(Clone, Debug)]
+pub struct Gallery {
+    /// The page, Markdown. Pictures are in the folder `gallery` beside it.
+    pub page: String,
+    /// File names and pictures.
+    pub pictures: Vec<(String, Picture)>,
+}
+
+/// A picture of a scene and what the page calls it.
+struct Shown {
+    file: String,
+    caption: String,
+}
+
+/// Renders the scenes in the `exact` model and describes them, grouped by technique in the given order.
+///
+/// # Errors
+/// [`SceneError`] for the first scene that cannot be rendered.
+pub fn gallery(scenes: &[(String, Scene)], command: &str) -> Result<Gallery, SceneError> {
+    let mut page = format!(
+        "# Gallery\n\nEvery bundled scene, rendered in the `exact` model. Made by `{command}`; render one with \
+         `outmerge render NAME -o NAME.png`, see all models side by side with `outmerge report -o DIR`.\n"
+    );
+    let mut pictures = Vec::new();
+    for group in scenes.chunk_by(|(_, a), (_, b)| a.technique == b.technique) {
+        let technique = group.first().map_or("", |(_, scene)| scene.technique.as_str());
+        let _ = writeln!(page, "\n## {}\n", heading(technique));
+        let mut shown = Vec::new();
+        for (name, scene) in group {
+            for (suffix, caption, picture) in views(scene)? {
+                let file = format!("{name}{suffix}.png");
+                shown.push(Shown { file: file.clone(), caption });
+                pictures.push((file, picture));
+            }
+        }
+        shown.chunks(COLUMNS).for_each(|row| table(&mut page, row));
+        for (name, scene) in group {
+            let _ = writeln!(page, "- **{}** (`{name}`): {}", scene.title, scene.explanation);
+        }
+    }
+    Ok(Gallery { page, pictures })
+}
+
+/// The pictures of one scene with their file suffixes and captions: its color targets, then its reference.
+fn views(scene: &Scene) -> Result<Vec<(String, String, Picture)>, SceneError> {
+    let picture = |framebuffer: &Framebuffer, index: usize| {
+        let target = framebuffer.colors.get(index).and_then(Option::as_ref);
+        target.map(|target| Picture::of_color(target, scene.target.display, PictureAlpha::Opaque))
+    };
+    let drawn = scene.render(&Exact::default())?.framebuffer;
+    let mut views = Vec::new();
+    for index in 0..drawn.colors.len() {
+        let (suffix, caption) = if index == 0 {
+            (String::new(), scene.title.clone())
+        } else {
+            (format!(".{index}"), format!("Target {index}"))
+        };
+        views.extend(picture(&drawn, index).map(|picture| (suffix, caption, picture)));
+    }
+    if scene.reference == Some(Reference::Sorted) {
+        let sorted = scene.render_sorted_per_pixel(&Exact::default())?;
+        let wrong = drawn.colors.iter().zip(&sorted.colors).flat_map(|(a, b)| a.iter().zip(b)).map(|(a, b)| {
+            let texels = |target: &crate::target::ColorTarget| target.format().bytes_per_texel();
+            a.bytes().chunks_exact(texels(a)).zip(b.bytes().chunks_exact(texels(b))).filter(|(a, b)| a != b).count()
+        });
+        let caption = match wrong.sum::<usize>() {
+            0 => "Sorted per pixel: the same".to_owned(),
+            wrong => format!("Sorted per pixel: {wrong} pixels differ"),
+        };
+        views.extend(picture(&sorted, 0).map(|picture| (".sorted".to_owned(), caption, picture)));
+    }
+    Ok(views)
+}
+
+/// `draw-order` as `Draw order`.
+fn heading(technique: &str) -> String {
+    let mut letters = technique.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect()).replace('-', " ")
+}
+
+fn table(page: &mut String, row: &[Shown]) {
+    let line =
+        |cell: &dyn Fn(&Shown) -> String| row.iter().map(|shown| format!(" {} |", cell(shown))).collect::<String>();
+    let captions = line(&|shown| shown.caption.clone());
+    let rule: String = row.iter().map(|_| "---|").collect();
+    let pictures = line(&|shown| format!("![{}](gallery/{})", shown.caption, shown.file));
+    let _ = writeln!(page, "|{captions}\n|{rule}\n|{pictures}\n");
+}

@@ -1,0 +1,55 @@
+//! The committed gallery is what its command makes.
+#![cfg(feature = "report")]
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use outmerge::report::gallery::{Gallery, gallery};
+use outmerge::scene::Scene;
+
+const COMMAND: &str = "cargo run --release --example gallery";
+
+fn docs() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("docs")
+}
+
+fn scenes() -> Vec<(String, Scene)> {
+    Scene::bundled().map(|(name, scene)| (name.to_owned(), scene.expect("bundled scenes are correct"))).collect()
+}
+
+fn made() -> Gallery {
+    gallery(&scenes(), COMMAND).expect("bundled scenes render")
+}
+
+fn page() -> String {
+    std::fs::read_to_string(docs().join("gallery.md")).unwrap_or_else(|error| panic!("{error}; run `{COMMAND}`"))
+}
+
+#[test]
+fn every_bundled_scene_is_listed_with_its_sentences_and_a_picture_that_exists() {
+    let page = page();
+    for (name, scene) in scenes() {
+        let entry = format!("- **{}** (`{name}`): {}", scene.title, scene.explanation);
+        assert!(page.lines().any(|line| line == entry), "{name} is not listed as it explains itself; run `{COMMAND}`");
+        assert!(page.contains(&format!("](gallery/{name}.png)")), "{name} has no picture on the page");
+        assert!(docs().join(format!("gallery/{name}.png")).is_file(), "gallery/{name}.png is missing");
+    }
+}
+
+#[test]
+fn page_and_pictures_are_up_to_date() {
+    let made = made();
+    assert_eq!(page(), made.page, "docs/gallery.md is old; run `{COMMAND}`");
+    let mut kept = BTreeSet::new();
+    for (file, picture) in &made.pictures {
+        let path = docs().join("gallery").join(file);
+        let read = image::open(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display())).into_rgba8();
+        assert_eq!((read.width(), read.height()), (picture.width, picture.height), "{file}: size");
+        assert!(read.into_raw() == picture.rgba, "{file} is old; run `{COMMAND}`");
+        kept.insert(file.clone());
+    }
+    for entry in std::fs::read_dir(docs().join("gallery")).expect("the folder of pictures") {
+        let file = entry.expect("a directory entry").file_name().to_string_lossy().into_owned();
+        assert!(kept.contains(&file), "gallery/{file} belongs to no scene; run `{COMMAND}`");
+    }
+}
