@@ -4,8 +4,13 @@
 //!
 //! - [`fixpoint`]: where repeated blending of one fragment gets stuck;
 //! - [`texture`]: what storing colors premultiplied costs an image;
+//! - [`bound`]: a proven bound on the error of a stack of layers; [`stability`]: stiff stacks, extreme values, order;
+//! - [`trap`]: the first bad number of a scene;
 //! - [`departure`]: where a model first differs from `exact`.
 
+pub mod bound;
 pub mod departure;
 pub mod fixpoint;
+pub mod stability;
 pub mod texture;
+pub mod trap;

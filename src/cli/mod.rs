@@ -2,6 +2,7 @@
 //!
 //! Results go to stdout, progress to stderr. Exit status: 0 = holds, 1 = a finding or mismatch, 2 = usage or input error.
 
+mod bound;
 #[cfg(feature = "gpu")]
 mod conform;
 mod explain;
@@ -10,6 +11,7 @@ mod list;
 mod output;
 mod render;
 mod report;
+mod stability;
 mod texture;
 mod vectors;
 
@@ -38,6 +40,10 @@ enum Command {
     Explain(explain::Explain),
     /// Where a fragment drawn again and again gets stuck: fixed points, limit cycles, smallest useful alpha.
     Fixpoint(fixpoint::Fixpoint),
+    /// A proven bound on how far a stack of translucent layers can drift from real arithmetic.
+    Bound(bound::BoundCommand),
+    /// Stiff stacks, extreme values, depth ranges and drawing orders: what they do to the result.
+    Stability(stability::Stability),
     /// What storing colors premultiplied costs PNG images: levels left, errors, fringes, a verdict.
     Texture(texture::Texture),
     /// Apply, check or generate test vectors (JSON lines).
@@ -75,6 +81,8 @@ pub fn main() -> ExitCode {
         Command::Conform(command) => command.run(),
         Command::Explain(command) => command.run(),
         Command::Fixpoint(command) => command.run(),
+        Command::Bound(command) => command.run(),
+        Command::Stability(command) => command.run(),
         Command::Texture(command) => command.run(),
         Command::Vectors(command) => command.run(),
         Command::Models(command) => command.run(),

@@ -40,6 +40,12 @@ pub(super) fn write_file<T>(
     Ok(value)
 }
 
+/// Writes a chart as an SVG file.
+pub(super) fn write_chart(path: &Path, chart: &crate::report::plot::Chart) -> Result<(), Failure> {
+    let svg = crate::report::plot::svg(chart)?;
+    write_file(path, |file| Ok(file.write_all(svg.as_bytes())?))
+}
+
 /// A temporary file with the permissions an ordinary new file has.
 fn temporary_file(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::{Failure, Outcome, output};
-use crate::model::registry;
+use crate::analysis::trap::{self, Caught, Place, Trap};
+use crate::model::{NumericModel, registry};
 use crate::scene::{Picture, PictureAlpha, Scene};
 
 /// Arguments of `render`.
@@ -14,8 +15,8 @@ pub(super) struct Render {
     /// A scene file (.toml or .json), or the name of a bundled scene (see `outmerge scenes`).
     scene: String,
     /// The PNG to write; `-` is stdout.
-    #[arg(long, short)]
-    output: PathBuf,
+    #[arg(long, short, required_unless_present = "trap")]
+    output: Option<PathBuf>,
     /// The numeric model.
     #[arg(long, short, default_value = "exact")]
     model: String,
@@ -28,6 +29,13 @@ pub(super) struct Render {
     /// Keep the target's alpha in the PNG instead of showing it opaque.
     #[arg(long)]
     alpha: bool,
+    /// Instead of a picture, find the first fragment with a NaN, an infinity or a value that a clamp changes; exit with
+    /// status 1 if there is one.
+    #[arg(long, value_enum, value_delimiter = ',', conflicts_with = "output")]
+    trap: Vec<Trap>,
+    /// Print what was trapped as JSON.
+    #[arg(long, requires = "trap")]
+    json: bool,
 }
 
 /// A scene by file name or bundled name.
@@ -47,6 +55,9 @@ impl Render {
     pub(super) fn run(self) -> Result<Outcome, Failure> {
         let model = registry::by_name(&self.model)?;
         let scene = load(&self.scene)?;
+        if !self.trap.is_empty() {
+            return self.find(&scene, model.as_ref());
+        }
         let rendered = scene.render(model.as_ref())?;
         let picture = if self.depth {
             let target = rendered.framebuffer.depth_stencil.as_ref();
@@ -61,7 +72,49 @@ impl Render {
             Picture::of_color(target, scene.target.display, alpha)
         };
         let png = picture.to_png()?;
-        output::write_file(&self.output, |file| Ok(file.write_all(&png)?))?;
+        let path = self.output.as_deref().ok_or("give the PNG to write: -o FILE")?;
+        output::write_file(path, |file| Ok(file.write_all(&png)?))?;
         Ok(Outcome::Fine)
     }
+
+    fn find(&self, scene: &Scene, model: &dyn NumericModel) -> Result<Outcome, Failure> {
+        let caught = trap::find(scene, model, &self.trap)?;
+        let outcome = if caught.is_some() { Outcome::Finding } else { Outcome::Fine };
+        if self.json {
+            output::print_json(&caught)?;
+            return Ok(outcome);
+        }
+        output::print(&caught.map_or("nothing was trapped\n".to_owned(), |caught| description(&caught)))?;
+        Ok(outcome)
+    }
+}
+
+/// What was caught, in words.
+fn description(caught: &Caught) -> String {
+    let name = match caught.trap {
+        Trap::Nan => "a NaN",
+        Trap::Inf => "an infinity",
+        Trap::Clamp => "a value out of range",
+    };
+    let channel = ["R", "G", "B", "A"].get(caught.channel).copied().unwrap_or("?");
+    let place = match caught.place {
+        Place::Source => format!("the shader's output {}, {channel}", caught.target),
+        Place::Depth => "the fragment's depth".to_owned(),
+        Place::Result => format!("the blend's result on target {}, {channel}", caught.target),
+        Place::Stored => format!("the value stored in target {}, {channel}", caught.target),
+    };
+    let mut text = format!(
+        "{name} at pixel ({}, {}) in draw {} ({}): {place} is {}\n",
+        caught.x,
+        caught.y,
+        caught.draw + 1,
+        caught.label,
+        caught.value
+    );
+    if let Some(blend) = &caught.blend {
+        for (name, values) in [("source", &blend.source), ("before", &blend.before), ("after", &blend.after)] {
+            text.push_str(&format!("  {name:<7}{}\n", values.join(", ")));
+        }
+    }
+    text
 }

@@ -106,19 +106,32 @@ impl Differences {
         self.summary
     }
 
+    /// The largest difference of each pixel's channels, rows from the top.
+    #[must_use]
+    pub fn largest(&self) -> &[u32] {
+        &self.largest
+    }
+
     /// A picture with [`LEGEND`]'s colors.
     #[must_use]
     pub fn heat_map(&self) -> Picture {
-        let color = |codes: &u32| {
-            let (_, [r, g, b], _) = LEGEND.iter().find(|(most, ..)| codes <= most).unwrap_or(&LEGEND[5]);
-            [*r, *g, *b, u8::MAX]
-        };
-        Picture { width: self.width, height: self.height, rgba: self.largest.iter().flat_map(color).collect() }
+        heat_map(self.width, self.height, &self.largest)
     }
 }
 
+/// A picture of differences, one a pixel, with [`LEGEND`]'s colors.
+#[must_use]
+pub fn heat_map(width: u32, height: u32, largest: &[u32]) -> Picture {
+    let color = |codes: &u32| {
+        let (_, [r, g, b], _) = LEGEND.iter().find(|(most, ..)| codes <= most).unwrap_or(&LEGEND[5]);
+        [*r, *g, *b, u8::MAX]
+    };
+    Picture { width, height, rgba: largest.iter().flat_map(color).collect() }
+}
+
 /// Distance of two codes of a channel.
-fn distance(kind: ChannelKind, a: u32, b: u32) -> u32 {
+#[must_use]
+pub fn distance(kind: ChannelKind, a: u32, b: u32) -> u32 {
     match kind {
         ChannelKind::Absent => 0,
         ChannelKind::Unorm(_) | ChannelKind::Srgb => a.abs_diff(b),

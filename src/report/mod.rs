@@ -7,6 +7,7 @@ pub mod device;
 pub mod difference;
 pub mod gallery;
 pub mod html;
+pub mod plot;
 
 use std::time::Duration;
 

@@ -1,0 +1,185 @@
+//! Charts as SVG: lines and points on logarithmic axes.
+
+use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
+use plotters::prelude::*;
+
+/// Width and height of a chart in pixels.
+const SIZE: (u32, u32) = (760, 420);
+
+/// Colors that people with any color vision tell apart (Okabe and Ito).
+const PALETTE: [RGBColor; 8] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(86, 180, 233),
+    RGBColor(230, 159, 0),
+    RGBColor(110, 110, 110),
+    RGBColor(0, 0, 0),
+];
+
+/// How a series is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    /// A line through the points in their order.
+    Line,
+    /// A dot each.
+    Dots,
+    /// A ring each, joined by a thin line: a Pareto front.
+    Front,
+}
+
+/// Points with a name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// The name in the legend.
+    pub name: String,
+    /// x and y.
+    pub points: Vec<(f64, f64)>,
+    /// How they are drawn.
+    pub mark: Mark,
+}
+
+/// A logarithmic axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// What it shows, with its unit.
+    pub label: String,
+    /// The smallest value drawn; smaller ones, zero included, are drawn there.
+    pub floor: f64,
+}
+
+/// A chart.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chart {
+    /// Across.
+    pub x: Axis,
+    /// Up.
+    pub y: Axis,
+    /// What is drawn, the first at the bottom.
+    pub series: Vec<Series>,
+}
+
+/// A chart that cannot be drawn.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("a chart cannot be drawn: {0}")]
+pub struct PlotError(String);
+
+impl Axis {
+    /// An axis from `floor` on.
+    #[must_use]
+    pub fn new(label: &str, floor: f64) -> Self {
+        Self { label: label.to_owned(), floor }
+    }
+
+    /// From the floor, or the smallest value above it, to a little beyond the largest.
+    fn range(&self, values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
+        let (mut low, mut high) = (f64::INFINITY, self.floor * 10.0);
+        for value in values.filter(|value| value.is_finite()) {
+            low = low.min(value.max(self.floor));
+            high = high.max(value);
+        }
+        low.min(high / 10.0).max(self.floor) / 1.2..high * 1.3
+    }
+}
+
+/// The chart as an SVG element.
+///
+/// # Errors
+/// [`PlotError`] when nothing in it is a number.
+pub fn svg(chart: &Chart) -> Result<String, PlotError> {
+    let points = || chart.series.iter().flat_map(|series| &series.points);
+    if !points().any(|(x, y)| x.is_finite() && y.is_finite()) {
+        return Err(PlotError("no point is a number".to_owned()));
+    }
+    let (x, y) = (chart.x.range(points().map(|p| p.0)), chart.y.range(points().map(|p| p.1)));
+    let mut text = String::new();
+    draw(chart, x.log_scale(), y.log_scale(), &mut text).map_err(|error| PlotError(error.to_string()))?;
+    Ok(text)
+}
+
+fn draw<X, Y>(chart: &Chart, x: X, y: Y, text: &mut String) -> Result<(), Box<dyn std::error::Error>>
+where
+    X: AsRangedCoord<Value = f64>,
+    Y: AsRangedCoord<Value = f64>,
+    X::CoordDescType: ValueFormatter<f64>,
+    Y::CoordDescType: ValueFormatter<f64>,
+{
+    let root = SVGBackend::with_string(text, SIZE).into_drawing_area();
+    root.fill(&WHITE).map_err(boxed)?;
+    let mut area = ChartBuilder::on(&root)
+        .margin(12)
+        .margin_right(24)
+        .x_label_area_size(44)
+        .y_label_area_size(72)
+        .build_cartesian_2d(x, y)
+        .map_err(boxed)?;
+    area.configure_mesh()
+        .x_desc(chart.x.label.as_str())
+        .y_desc(chart.y.label.as_str())
+        .x_label_formatter(&number)
+        .y_label_formatter(&number)
+        .light_line_style(BLACK.mix(0.04))
+        .bold_line_style(BLACK.mix(0.12))
+        .draw()
+        .map_err(boxed)?;
+    for (index, series) in chart.series.iter().enumerate() {
+        let color = PALETTE[index % PALETTE.len()];
+        let place = |(x, y): &(f64, f64)| (x.max(chart.x.floor), y.max(chart.y.floor));
+        let finite = series.points.iter().filter(|(x, y)| x.is_finite() && y.is_finite());
+        let points: Vec<(f64, f64)> = finite.map(place).collect();
+        let drawn = match series.mark {
+            Mark::Line => area.draw_series(LineSeries::new(points, color.stroke_width(2))),
+            Mark::Dots => area.draw_series(points.iter().map(|point| Circle::new(*point, 3, color.mix(0.75).filled()))),
+            Mark::Front => {
+                area.draw_series(LineSeries::new(points.clone(), color.mix(0.6))).map_err(boxed)?;
+                area.draw_series(points.iter().map(|point| Circle::new(*point, 7, color.stroke_width(2))))
+            }
+        };
+        drawn
+            .map_err(boxed)?
+            .label(series.name.as_str())
+            .legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 12, y + 5)], color.filled()));
+    }
+    area.configure_series_labels()
+        .position(SeriesLabelPosition::UpperLeft)
+        .background_style(WHITE.mix(0.85))
+        .border_style(BLACK.mix(0.2))
+        .draw()
+        .map_err(boxed)?;
+    root.present().map_err(boxed)?;
+    Ok(())
+}
+
+/// Powers of ten as people write them.
+fn number(x: &f64) -> String {
+    if (1e-3..1e5).contains(x) { format!("{x}") } else { format!("{x:e}") }
+}
+
+fn boxed<E: std::error::Error + Send + Sync>(error: DrawingAreaErrorKind<E>) -> Box<dyn std::error::Error> {
+    error.to_string().into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chart(points: &[(f64, f64)]) -> Chart {
+        let series = Series { name: "a < b".to_owned(), points: points.to_vec(), mark: Mark::Front };
+        Chart { x: Axis::new("ns", 1.0), y: Axis::new("codes", 1e-6), series: vec![series] }
+    }
+
+    #[test]
+    fn every_finite_point_is_drawn_and_zero_lies_on_the_floor() {
+        let svg = svg(&chart(&[(10.0, 0.5), (100.0, 0.0), (5.0, f64::NAN)])).expect("two points");
+        assert!(svg.starts_with("<svg"), "an element: {}", &svg[..40.min(svg.len())]);
+        assert_eq!(svg.matches("<circle").count(), 2, "a ring a finite point");
+        assert!(svg.contains("a &lt; b"), "names are escaped");
+    }
+
+    #[test]
+    fn a_chart_without_numbers_is_an_error() {
+        assert!(svg(&chart(&[(f64::NAN, 1.0)])).is_err(), "NaN alone");
+        assert!(svg(&chart(&[])).is_err(), "nothing");
+    }
+}
