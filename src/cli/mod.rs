@@ -13,6 +13,7 @@ mod render;
 mod report;
 mod stability;
 mod texture;
+mod tradeoff;
 mod vectors;
 
 use std::process::ExitCode;
@@ -40,6 +41,8 @@ enum Command {
     Explain(explain::Explain),
     /// Where a fragment drawn again and again gets stuck: fixed points, limit cycles, smallest useful alpha.
     Fixpoint(fixpoint::Fixpoint),
+    /// Error against run time: every model on representative formats, states and depths of stacks.
+    Tradeoff(tradeoff::Tradeoff),
     /// A proven bound on how far a stack of translucent layers can drift from real arithmetic.
     Bound(bound::BoundCommand),
     /// Stiff stacks, extreme values, depth ranges and drawing orders: what they do to the result.
@@ -81,6 +84,7 @@ pub fn main() -> ExitCode {
         Command::Conform(command) => command.run(),
         Command::Explain(command) => command.run(),
         Command::Fixpoint(command) => command.run(),
+        Command::Tradeoff(command) => command.run(),
         Command::Bound(command) => command.run(),
         Command::Stability(command) => command.run(),
         Command::Texture(command) => command.run(),

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use crate::format::{ChannelKind, snorm};
 use crate::scene::Picture;
+use crate::scene::display::value;
 use crate::target::ColorTarget;
 
 /// Differences of two targets, summed up.
@@ -149,6 +150,14 @@ pub fn distance(kind: ChannelKind, a: u32, b: u32) -> u32 {
     }
 }
 
+/// [`distance`] of a code from the exact one with its sign, positive where the code stands for more; the whole range
+/// where one of them alone is a NaN.
+#[must_use]
+pub fn signed_distance(kind: ChannelKind, code: u32, exact: u32) -> f64 {
+    let magnitude = f64::from(distance(kind, code, exact));
+    if value(kind, code) < value(kind, exact) { -magnitude } else { magnitude }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -162,6 +171,13 @@ mod tests {
         assert_eq!(distance(half, 0x8001, 0x0001), 2, "across zero");
         assert_eq!(distance(half, 0x7e00, 0x7c01), 0, "any NaN equals any NaN");
         assert_eq!(distance(half, 0x7e00, 0x3c00), u32::MAX, "NaN against a number");
+    }
+
+    #[test]
+    fn signs_say_which_is_brighter() {
+        assert_eq!(signed_distance(ChannelKind::Unorm(8), 3, 5), -2.0, "too dark");
+        assert_eq!(signed_distance(ChannelKind::Srgb, 5, 3), 2.0, "too bright");
+        assert_eq!(signed_distance(ChannelKind::Snorm(8), 0xff, 1), -2.0, "-1 against 1");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Charts as SVG: lines and points on logarithmic axes.
+//! Charts as SVG: lines and points on linear and logarithmic axes.
 
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
@@ -40,13 +40,24 @@ pub struct Series {
     pub mark: Mark,
 }
 
-/// A logarithmic axis.
+/// How values are spread along an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// Equal differences.
+    Linear,
+    /// Equal ratios.
+    Logarithmic,
+}
+
+/// An axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     /// What it shows, with its unit.
     pub label: String,
     /// The smallest value drawn; smaller ones, zero included, are drawn there.
     pub floor: f64,
+    /// How they are spread.
+    pub scale: Scale,
 }
 
 /// A chart.
@@ -66,20 +77,30 @@ pub struct Chart {
 pub struct PlotError(String);
 
 impl Axis {
-    /// An axis from `floor` on.
+    /// A logarithmic axis from `floor` on.
     #[must_use]
     pub fn new(label: &str, floor: f64) -> Self {
-        Self { label: label.to_owned(), floor }
+        Self { label: label.to_owned(), floor, scale: Scale::Logarithmic }
+    }
+
+    /// The same axis with equal differences.
+    #[must_use]
+    pub fn linear(self) -> Self {
+        Self { scale: Scale::Linear, ..self }
     }
 
     /// From the floor, or the smallest value above it, to a little beyond the largest.
     fn range(&self, values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
-        let (mut low, mut high) = (f64::INFINITY, self.floor * 10.0);
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for value in values.filter(|value| value.is_finite()) {
             low = low.min(value.max(self.floor));
-            high = high.max(value);
+            high = high.max(value.max(self.floor));
         }
-        low.min(high / 10.0).max(self.floor) / 1.2..high * 1.3
+        match self.scale {
+            Scale::Linear => low - 0.02 * (high - low)..high + 0.02 * (high - low) + f64::MIN_POSITIVE,
+            // At least a decade.
+            Scale::Logarithmic => low / 1.2..high.max(low * 8.0) * 1.3,
+        }
     }
 }
 
@@ -94,7 +115,13 @@ pub fn svg(chart: &Chart) -> Result<String, PlotError> {
     }
     let (x, y) = (chart.x.range(points().map(|p| p.0)), chart.y.range(points().map(|p| p.1)));
     let mut text = String::new();
-    draw(chart, x.log_scale(), y.log_scale(), &mut text).map_err(|error| PlotError(error.to_string()))?;
+    let drawn = match (chart.x.scale, chart.y.scale) {
+        (Scale::Logarithmic, Scale::Logarithmic) => draw(chart, x.log_scale(), y.log_scale(), &mut text),
+        (Scale::Linear, Scale::Logarithmic) => draw(chart, x, y.log_scale(), &mut text),
+        (Scale::Logarithmic, Scale::Linear) => draw(chart, x.log_scale(), y, &mut text),
+        (Scale::Linear, Scale::Linear) => draw(chart, x, y, &mut text),
+    };
+    drawn.map_err(|error| PlotError(error.to_string()))?;
     Ok(text)
 }
 

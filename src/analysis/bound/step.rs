@@ -70,7 +70,8 @@ fn separable(format: ColorFormat, name: &str) -> Option<Source> {
     fits.then_some(Source { bits: spec.source_bits, rounding: spec.source_rounding })
 }
 
-/// A times the error of taking the source in, plus the largest error of each product over all codes.
+/// A times the error of taking the source in, plus the largest sum of the two products' errors, signs kept, over all
+/// codes.
 fn by_products(format: ColorFormat, model: &dyn NumericModel, alpha: f32, source: Source) -> f64 {
     let ChannelKind::Unorm(bits) = format.channels()[0] else { return f64::INFINITY };
     let a = f64::from(alpha);
@@ -92,10 +93,12 @@ fn by_products(format: ColorFormat, model: &dyn NumericModel, alpha: f32, source
         let nearest = super::adversary::to_f32(value);
         // A source just below its code would be truncated to the code below.
         let color = if truncates && f64::from(nearest) < value { nearest.next_up() } else { nearest };
-        (merged(color, 0) - value * a).abs()
+        merged(color, 0) - value * a
     });
-    let second = (0..=unorm::steps(bits)).map(|code| (merged(0.0, code) - of(code, bits) * (1.0 - a)).abs());
+    let second = (0..=unorm::steps(bits)).map(|code| merged(0.0, code) - of(code, bits) * (1.0 - a));
     let taken_in = if truncates { 1.0 } else { 0.5 } / f64::from(unorm::steps(source.bits));
     // The sums and differences above are off by a few units in the last place of 1.
-    a * taken_in + first.fold(0.0, f64::max) + second.fold(0.0, f64::max) + 8.0 * f64::EPSILON
+    let ends = |(low, high): (f64, f64), error: f64| (low.min(error), high.max(error));
+    let (first, second) = (first.fold((0.0, 0.0), ends), second.fold((0.0, 0.0), ends));
+    a * taken_in + (first.1 + second.1).max(-first.0 - second.0) + 8.0 * f64::EPSILON
 }

@@ -34,9 +34,9 @@ fn searches_come_close_to_the_bound_and_never_pass_it() {
         ("rgba8unorm-srgb", "exact", 0.1, 60, 0.5),
         ("rgba16float", "exact", 0.05, 200, 0.9),
         ("rg11b10ufloat", "exact", 0.1, 60, 0.45),
-        ("rgba8unorm", "fixed:8", 0.1, 60, 0.5),
-        ("rgba8unorm", "llvmpipe", 0.1, 60, 0.5),
-        ("rgba8unorm", "fixed:8,rounding=shift", 0.1, 60, 0.4),
+        ("rgba8unorm", "fixed:8", 26.0 / 255.0, 60, 0.5),
+        ("rgba8unorm", "llvmpipe", 26.0 / 255.0, 60, 0.5),
+        ("rgba8unorm", "fixed:8,rounding=shift", 26.0 / 255.0, 60, 0.4),
     ] {
         let (format, model, growth) = growth(format, model, alpha);
         let reached = adversary(format, model.as_ref(), alpha, layers);

@@ -16,28 +16,31 @@ use crate::scene::display::value;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Family {
-    /// 1/255 everywhere: the thinnest layer of 8 bits.
+    /// 1/255 everywhere, the thinnest layer of 8 bits, and one color.
     Thin,
-    /// 0.025 everywhere: a slow fade.
+    /// 1/255 everywhere and colors spread over 0 to 1, whose roundings fall either way.
+    ThinSpread,
+    /// 0.025 everywhere and one color: a slow fade.
     Fade,
-    /// 1/255 and 254/255 in turn.
+    /// 1/255 and 254/255 in turn; colors spread.
     Stiff,
-    /// 1/2, 1/4 ... 2^-16, again and again.
+    /// 1/2, 1/4 ... 2^-16, again and again; colors spread.
     Geometric,
-    /// Spread over 0 to 1.
+    /// Spread over 0 to 1, colors too.
     Mixed,
 }
 
 impl Family {
     /// Every family.
-    pub const ALL: [Self; 5] = [Self::Thin, Self::Fade, Self::Stiff, Self::Geometric, Self::Mixed];
+    pub const ALL: [Self; 6] = [Self::Thin, Self::ThinSpread, Self::Fade, Self::Stiff, Self::Geometric, Self::Mixed];
 
     /// A name for tables.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            Self::Thin => "all 1/255",
-            Self::Fade => "all 0.025",
+            Self::Thin => "all 1/255, one color",
+            Self::ThinSpread => "all 1/255",
+            Self::Fade => "all 0.025, one color",
             Self::Stiff => "1/255, 254/255 in turn",
             Self::Geometric => "1/2 to 2^-16",
             Self::Mixed => "spread over 0 to 1",
@@ -49,14 +52,18 @@ impl Family {
         const GOLDEN: f64 = 0.618_033_988_749_894_9;
         const SILVER: f64 = 0.414_213_562_373_095_1;
         let alpha = match self {
-            Self::Thin => 1.0 / 255.0,
+            Self::Thin | Self::ThinSpread => 1.0 / 255.0,
             Self::Fade => 0.025,
             Self::Stiff if i.is_multiple_of(2) => 1.0 / 255.0,
             Self::Stiff => 254.0 / 255.0,
             Self::Geometric => (-1.0 - f64::from(i % 16)).exp2(),
             Self::Mixed => (f64::from(i + 1) * SILVER).fract(),
         };
-        (to_f32((f64::from(i) * GOLDEN).fract()), to_f32(alpha))
+        let color = match self {
+            Self::Thin | Self::Fade => 0.75,
+            _ => (f64::from(i) * GOLDEN).fract(),
+        };
+        (to_f32(color), to_f32(alpha))
     }
 }
 
@@ -226,20 +233,25 @@ impl Real {
 /// What the rows show, in a sentence.
 #[must_use]
 pub fn finding(rows: &[StackRow]) -> String {
-    let find = |format: &str, direction| {
-        let thin = rows.iter().filter(|row| row.family == Family::Thin && row.model == "exact");
-        thin.filter(|row| row.direction == direction).find(|row| row.format == format)
+    let find = |family, format: &str| {
+        rows.iter().find(|row| {
+            row.family == family
+                && row.model == "exact"
+                && row.direction == Direction::BackToFront
+                && row.format == format
+        })
     };
-    let (Some(eight), Some(half)) =
-        (find("rgba8unorm", Direction::BackToFront), find("rgba16float", Direction::BackToFront))
+    let (Some(eight), Some(spread), Some(half)) =
+        (find(Family::Thin, "rgba8unorm"), find(Family::ThinSpread, "rgba8unorm"), find(Family::Thin, "rgba16float"))
     else {
         return String::new();
     };
     let layers = eight.errors.last().map_or(0, |(layers, _)| *layers);
-    let stop = eight.stagnates_at.map_or(String::new(), |layer| format!(", which stops changing at layer {layer}"));
+    let stop = eight.stagnates_at.map_or(String::new(), |layer| format!(", stuck from layer {layer} on"));
     format!(
-        "{layers} layers of alpha 1/255, each rounded correctly, leave an 8-bit target up to {:.1} codes off{stop}; a half \
-         target stays within {:.2} of such codes.",
-        eight.worst, half.worst
+        "{layers} layers of alpha 1/255 and one color, each rounded correctly, end up to {:.1} codes off on an 8-bit \
+         target{stop}; where colors vary the roundings fall either way and stay within {:.1}; a half target stays within \
+         {:.2} of such codes.",
+        eight.worst, spread.worst, half.worst
     )
 }

@@ -1,0 +1,90 @@
+//! What any survey must find.
+
+use super::clock::Time;
+use super::front::{dominates, points};
+use super::*;
+use crate::model::registry;
+
+fn models() -> Vec<Box<dyn NumericModel>> {
+    registry::all()
+}
+
+fn small(formats: &[&str], layers: &[(u32, u32)]) -> Vec<Row> {
+    let models = models();
+    let models: Vec<&dyn NumericModel> = models.iter().map(AsRef::as_ref).collect();
+    let inputs = Inputs::new(1);
+    survey(&Survey { models: &models, inputs: &inputs, formats, layers }, &|| ())
+}
+
+#[test]
+fn exact_has_no_error_and_eight_bit_products_have() {
+    let rows = small(&["rgba8unorm"], &[(1, 200), (10, 20)]);
+    assert_eq!(rows.len(), 5 * STATES.len() * 2 * 3, "models x states x depths x inputs");
+    for row in rows.iter().filter(|row| row.model == "exact") {
+        assert_eq!(row.errors, Errors { pixels: row.errors.pixels, ..Errors::default() }, "{row:?}");
+    }
+    let fixed = |row: &&Row| row.model == "fixed:8" && row.state == "straight over" && row.input == Input::Random;
+    let fixed: Vec<&Row> = rows.iter().filter(fixed).collect();
+    for row in &fixed {
+        assert!(row.errors.pixels_off > 0.3 && row.errors.max >= 1.0, "8-bit products are often a code off: {row:?}");
+    }
+}
+
+#[test]
+fn figures_of_one_row_fit_together() {
+    for row in small(&["rgba8unorm", "rgba16float"], &[(10, 30)]) {
+        let e = row.errors;
+        assert!(e.mean <= e.rms * (1.0 + 1e-12) && e.rms <= e.max * (1.0 + 1e-12), "mean <= RMS <= max: {row:?}");
+        assert!(e.bias.abs() <= e.mean * (1.0 + 1e-12), "the bias is at most the mean: {row:?}");
+        assert_eq!(e.pixels_off > 0.0, e.max > 0.0, "a pixel off has an error: {row:?}");
+    }
+}
+
+#[test]
+fn single_precision_on_eight_bits_is_off_at_ties_only() {
+    let rows = small(&["rgba8unorm"], &[(1, 500)]);
+    let rows = rows.iter().filter(|row| row.model == "f32" && row.input == Input::Random);
+    for row in rows {
+        assert!(row.errors.max <= 1.0 && row.errors.pixels_off < 0.01, "{row:?}");
+    }
+}
+
+#[test]
+fn truncation_darkens_and_rounding_to_nearest_does_not() {
+    let rows = fixed::sweep(&Inputs::new(2), 2000);
+    let find = |rounding: &str, bits: u32| {
+        rows.iter().find(|row| row.rounding == rounding && row.bits == bits).expect("swept").errors
+    };
+    assert!(find("truncate", 8).bias < -0.3, "two truncated products: {:?}", find("truncate", 8));
+    assert!(find("nearest", 8).bias.abs() < 0.1, "{:?}", find("nearest", 8));
+    assert!(find("nearest", 16).mean < find("nearest", 8).mean / 20.0, "bits buy accuracy");
+    assert!(find("fused", 8).mean <= find("nearest", 8).mean, "one rounding is better than two");
+}
+
+#[test]
+fn the_front_is_what_nothing_dominates() {
+    let rows = small(&["rgba8unorm"], &[(1, 40)]);
+    let time = |model: &str, ns: f64| {
+        STATES.map(|(state, _)| Time { model: model.to_owned(), format: "rgba8unorm", state, ns_per_fragment: ns })
+    };
+    // f16 is made slower than exact, so that it loses in both.
+    let times =
+        [time("exact", 500.0), time("f32", 50.0), time("f16", 600.0), time("fixed:8", 40.0), time("llvmpipe", 30.0)];
+    let points = points(&rows, &times.concat());
+    let on_front: Vec<&str> = points.iter().filter(|point| point.on_front).map(|point| point.model.as_str()).collect();
+    assert!(on_front.contains(&"exact") && on_front.contains(&"llvmpipe"), "least error, least time: {on_front:?}");
+    assert!(!on_front.contains(&"f16"), "beaten in both: {on_front:?}");
+    for a in points.iter().filter(|point| point.on_front) {
+        let beaten = points.iter().any(|b| dominates((b.ns_per_fragment, b.mean), (a.ns_per_fragment, a.mean)));
+        assert!(!beaten, "{} is on the front", a.model);
+    }
+}
+
+#[test]
+fn survey_inputs_are_the_same_in_every_run() {
+    let format = ColorFormat::from_name("rgba8unorm").expect("a format");
+    let stack = |seed| Inputs::new(seed).stack(Input::Adversarial, format, &state(STATES[1].1), 7, 5);
+    assert_eq!(stack(3), stack(3), "one seed");
+    assert_ne!(stack(3), stack(4), "two seeds");
+    assert!(stack(3).layers.iter().flatten().all(|x| (0.0..=1.0).contains(x)), "in range");
+}
