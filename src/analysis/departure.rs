@@ -2,15 +2,17 @@
 
 use serde::Serialize;
 
-use crate::model::{Explanation, Number};
+use crate::model::{Explanation, Number, StepKind};
 
 /// The first step at which a channel that ends in another code has another value than in exact arithmetic.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Departure {
     /// Channel, 0 to 3 = R, G, B, A.
     pub channel: usize,
-    /// Name of the step, e.g. `source factor (src-alpha)`.
-    pub step: String,
+    /// The step.
+    pub step: StepKind,
+    /// Its rule in symbols, e.g. `1 - S.a`.
+    pub formula: String,
     /// The model's value there.
     pub model: Number,
     /// The exact value there.
@@ -25,13 +27,13 @@ impl Departure {
     #[must_use]
     pub fn between(model: &Explanation, exact: &Explanation) -> Option<Self> {
         let channel = (0..4).find(|&i| model.codes[i] != exact.codes[i])?;
-        model.steps.iter().find_map(|step| {
-            let twin = exact.steps.iter().find(|other| other.name == step.name)?;
-            let (mine, theirs) = (step.values[channel].as_ref()?, twin.values[channel].as_ref()?);
-            (mine.decimal != theirs.decimal).then(|| Self {
+        model.steps.iter().filter(|step| step.kind != StepKind::Stored).find_map(|step| {
+            let (mine, theirs) = (step.channels[channel].as_ref()?, exact.value(step.kind, channel)?);
+            (mine.value.decimal != theirs.decimal).then(|| Self {
                 channel,
-                step: step.name.clone(),
-                model: mine.clone(),
+                step: step.kind,
+                formula: mine.formula.clone(),
+                model: mine.value.clone(),
                 exact: theirs.clone(),
             })
         })

@@ -6,9 +6,10 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{Failure, Outcome, explain, output};
+use crate::analysis::departure::Departure;
 use crate::analysis::fixpoint::{self, Answer, Channel, Limit, Question, sweep::Sweep};
 use crate::format::ColorFormat;
-use crate::model::{NumericModel, registry};
+use crate::model::{Number, NumericModel, decimal, registry};
 use crate::state::shaderlab::Properties;
 use crate::state::text;
 
@@ -174,7 +175,7 @@ fn verdict(answer: &Answer) -> String {
     };
     if let Some(d) = &answer.difference {
         let reason =
-            d.departure.as_ref().map_or("the same value is stored with another rounding".to_owned(), explain::reason);
+            d.departure.as_ref().map_or("the same value is stored with another rounding".to_owned(), reason);
         let _ = write!(
             text,
             "; leaves exact at frame {}: {} becomes {} instead of {}, as {reason}",
@@ -184,6 +185,17 @@ fn verdict(answer: &Answer) -> String {
         text.push_str("; every frame as exact");
     }
     text
+}
+
+/// A departure in words.
+fn reason(departure: &Departure) -> String {
+    let show = |number: &Number| match number.exact.as_str() {
+        "" => decimal(number.decimal),
+        exact if exact.len() > 32 || exact == decimal(number.decimal) => decimal(number.decimal),
+        exact => format!("{} ({exact})", decimal(number.decimal)),
+    };
+    let (step, formula) = (departure.step, &departure.formula);
+    format!("the {step}, {formula}, is {} where exact has {}", show(&departure.model), show(&departure.exact))
 }
 
 /// A limit: one code, or a cycle.

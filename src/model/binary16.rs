@@ -7,7 +7,7 @@
 
 use wgpu_types::BlendState;
 
-use super::binary32::{decode_binary32, encode_scaled, minimum_number};
+use super::binary32::{decode_binary32, encode_scaled, minimum_number, small_to_f32};
 use super::{Arithmetic, ColorInputs, Explanation, Number, NumericModel, Unsupported, evaluate, explain};
 use crate::format::depth::DepthKind;
 use crate::format::{ChannelKind, Codes, ColorFormat, FloatLayout, Rounding, TargetClass, snorm, srgb, unorm};
@@ -90,7 +90,12 @@ impl Arithmetic for Binary16 {
     }
 
     fn describe(&self, x: &f32) -> Number {
-        Number { decimal: f64::from(*x), exact: String::new() }
+        Number::binary(f64::from(*x))
+    }
+
+    fn describe_scaled(&self, x: &f32, steps: u32) -> Number {
+        let product = x * small_to_f32(steps);
+        Number::binary(f64::from(if steps < 1 << 10 { half(product) } else { product }))
     }
 }
 

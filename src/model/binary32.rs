@@ -66,7 +66,11 @@ impl Arithmetic for Binary32 {
     }
 
     fn describe(&self, x: &f32) -> Number {
-        Number { decimal: f64::from(*x), exact: String::new() }
+        Number::binary(f64::from(*x))
+    }
+
+    fn describe_scaled(&self, x: &f32, steps: u32) -> Number {
+        Number::binary(f64::from(x * small_to_f32(steps)))
     }
 }
 
@@ -105,7 +109,7 @@ pub(super) fn minimum_number(x: f32, y: f32) -> f32 {
 }
 
 /// Codes of at most 24 bits are exact in binary32.
-fn small_to_f32(x: u32) -> f32 {
+pub(super) fn small_to_f32(x: u32) -> f32 {
     debug_assert!(x < 1 << 24, "exact in binary32");
     #[expect(clippy::cast_precision_loss, reason = "below 2^24")]
     let exact = x as f32;

@@ -44,6 +44,13 @@ impl Value {
         if scaled < 0 { -code } else { code }
     }
 
+    /// The nearest binary64 number.
+    fn decimal(self) -> f64 {
+        #[expect(clippy::cast_precision_loss, reason = "numerators and denominators stay below 2^53")]
+        let quotient = self.num as f64 / self.den as f64;
+        quotient
+    }
+
     fn requantized(self, bits: u32, rounding: Rounding) -> Self {
         Self { num: self.to_code(bits, rounding), den: unorm::steps(bits).into() }
     }
@@ -125,18 +132,13 @@ impl Arithmetic for FixedPoint {
         match kind {
             ChannelKind::Unorm(bits) => store(bits),
             // The linear code through the ideal curve; linear codes of up to 24 bits are never on a threshold.
-            ChannelKind::Srgb => srgb::encode(self.describe(x).decimal).unwrap_or(0),
+            ChannelKind::Srgb => srgb::encode(x.decimal()).unwrap_or(0),
             ChannelKind::Absent | ChannelKind::Snorm(_) | ChannelKind::Float(_) => 0,
         }
     }
 
     fn describe(&self, x: &Value) -> Number {
-        #[expect(
-            clippy::cast_precision_loss,
-            reason = "numerators and denominators stay below 2^53 in practice; display only"
-        )]
-        let decimal = x.num as f64 / x.den as f64;
-        Number { decimal, exact: if x.den == 1 { x.num.to_string() } else { format!("{}/{}", x.num, x.den) } }
+        Number::ratio(x.num, x.den)
     }
 }
 

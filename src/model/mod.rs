@@ -12,15 +12,22 @@
 //! | [`fixed`] | parametric fixed point |
 //! | [`llvmpipe`] | Mesa's llvmpipe (lavapipe), bit for bit |
 
+pub mod account;
 pub mod binary16;
 pub mod binary32;
 pub mod exact;
+mod explanation;
 pub mod fixed;
 pub mod llvmpipe;
+mod number;
 pub mod registry;
+
+pub use explanation::{ChannelStep, Explanation, Step, StepKind};
+pub use number::{Number, decimal};
 
 use std::fmt::Debug;
 
+use num_rational::BigRational;
 use wgpu_types::BlendState;
 
 use crate::format::depth::DepthKind;
@@ -130,38 +137,15 @@ pub trait Arithmetic {
 
     /// The number as people read it.
     fn describe(&self, x: &Self::Value) -> Number;
-}
 
-/// A number for people: decimal always, exact fraction where there is one.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "json", derive(serde::Serialize))]
-pub struct Number {
-    /// Nearest binary64 value.
-    pub decimal: f64,
-    /// Exact form, e.g. `64/255`; empty where the decimal says all.
-    pub exact: String,
-}
-
-/// One line of an explanation: what happened, to each channel.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "json", derive(serde::Serialize))]
-pub struct Step {
-    /// Name of the step, e.g. `source factor (src-alpha)`.
-    pub name: String,
-    /// RGBA; `None` where the step does not apply to a channel.
-    pub values: [Option<Number>; 4],
-    /// The equation or rule with numbers substituted, per channel; empty where the name says all.
-    pub equation: [String; 4],
-}
-
-/// How a model arrives at its codes.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "json", derive(serde::Serialize))]
-pub struct Explanation {
-    /// The steps in order.
-    pub steps: Vec<Step>,
-    /// The resulting codes, all channels written.
-    pub codes: Codes,
+    /// x, clamped for its class, on the scale of a linear normalised channel's codes, as [`encode`](Self::encode)
+    /// computes it before it rounds. The default is the exact product.
+    fn describe_scaled(&self, x: &Self::Value, steps: u32) -> Number {
+        match self.describe(x).fraction() {
+            Some(x) => Number::rational(x * BigRational::from_integer(steps.into())),
+            None => Number::near(self.describe(x).decimal * f64::from(steps)),
+        }
+    }
 }
 
 /// A format and state a model defines no result for.

@@ -1,10 +1,18 @@
 //! The blend equation with the numbers substituted, for people.
+//!
+//! Every step shows the rule in symbols, the rule with this model's numbers, and what that gives in real arithmetic
+//! wherever the model rounds: so that each rounding can be found, and checked by hand.
 
-use wgpu_types::{BlendFactor, BlendOperation};
+use wgpu_types::{BlendFactor, BlendOperation, BlendState};
 
-use super::{Steps, component};
-use crate::format::{ChannelKind, Codes};
-use crate::model::{Arithmetic, ColorInputs, Explanation, Number, Step};
+use super::describe::{channel_steps, each, finish, formula, same, short, step, stored};
+use super::{Equation, Operands, Steps, component, equation, operation};
+use crate::format::{ChannelKind, Codes, Rounding, snorm, unorm};
+use crate::model::exact::extended::{Extended, Value};
+use crate::model::{Arithmetic, ColorInputs, Explanation, Number, Step, StepKind};
+
+/// Numbers of one step, RGBA.
+type Numbers = [Number; 4];
 
 /// Turns the values of [`super::blend`] and the codes stored into steps of text.
 pub fn explain<A: Arithmetic>(
@@ -13,128 +21,139 @@ pub fn explain<A: Arithmetic>(
     steps: &Steps<A::Value>,
     codes: Codes,
 ) -> Explanation {
-    let channels = inputs.format.channels();
-    let describe = |values: &[A::Value; 4]| -> [Option<Number>; 4] {
-        std::array::from_fn(|i| Some(arithmetic.describe(&values[i])))
+    let describe = |values: &[A::Value; 4]| -> Numbers { std::array::from_fn(|i| arithmetic.describe(&values[i])) };
+    let operands = Operands {
+        src: describe(&steps.operands.src),
+        src1: describe(&steps.operands.src1),
+        constant: describe(&steps.operands.constant),
+        dst: describe(&steps.operands.dst),
     };
-    let plain =
-        |name: &str, values: [Option<Number>; 4]| Step { name: name.to_owned(), values, equation: Default::default() };
-    let mut out = vec![plain("source, taken in", describe(&steps.operands.src))];
-    if let (Some(state), Some(equation)) = (&inputs.blend, &steps.equation) {
-        if uses(state, BlendFactor::ref_second_blend_source) {
-            out.push(plain("second source, taken in", describe(&steps.operands.src1)));
-        }
-        if uses(state, |f| matches!(f, BlendFactor::Constant | BlendFactor::OneMinusConstant)) {
-            out.push(plain("blend constant, taken in", describe(&steps.operands.constant)));
-        }
-        out.push(plain("destination, decoded", describe(&steps.operands.dst)));
-        out.push(Step {
-            name: "source factor".to_owned(),
-            values: describe(&equation.src_factors),
-            equation: std::array::from_fn(|i| formula(component(state, i).src_factor, i).to_owned()),
-        });
-        out.push(Step {
-            name: "destination factor".to_owned(),
-            values: describe(&equation.dst_factors),
-            equation: std::array::from_fn(|i| formula(component(state, i).dst_factor, i).to_owned()),
-        });
-        let show = |value: &A::Value| short(&arithmetic.describe(value));
-        let ignored = |i| super::operation::ignores_factors(component(state, i).operation);
-        let product = |i: usize, value: &A::Value, factor: &A::Value| {
-            if ignored(i) { "factor ignored".to_owned() } else { format!("{} * {}", show(value), show(factor)) }
-        };
-        out.push(Step {
-            name: "source term".to_owned(),
-            values: std::array::from_fn(|i| Some(arithmetic.describe(&equation.terms[i].0))),
-            equation: std::array::from_fn(|i| product(i, &steps.operands.src[i], &equation.src_factors[i])),
-        });
-        out.push(Step {
-            name: "destination term".to_owned(),
-            values: std::array::from_fn(|i| Some(arithmetic.describe(&equation.terms[i].1))),
-            equation: std::array::from_fn(|i| product(i, &steps.operands.dst[i], &equation.dst_factors[i])),
-        });
-        out.push(Step {
-            name: "result".to_owned(),
-            values: describe(&steps.result),
-            equation: std::array::from_fn(|i| {
-                let (src, dst) = (show(&equation.terms[i].0), show(&equation.terms[i].1));
-                match component(state, i).operation {
-                    BlendOperation::Add => format!("{src} + {dst}"),
-                    BlendOperation::Subtract => format!("{src} - {dst}"),
-                    BlendOperation::ReverseSubtract => format!("{dst} - {src}"),
-                    BlendOperation::Min => format!("min({src}, {dst})"),
-                    BlendOperation::Max => format!("max({src}, {dst})"),
-                }
+    let mut out = taken_in(inputs, &operands);
+    let result = describe(&steps.result);
+    if let (Some(state), Some(inner)) = (&inputs.blend, &steps.equation) {
+        let numbers = Equation {
+            src_factors: describe(&inner.src_factors),
+            dst_factors: describe(&inner.dst_factors),
+            terms: std::array::from_fn(|i| {
+                (arithmetic.describe(&inner.terms[i].0), arithmetic.describe(&inner.terms[i].1))
             }),
-        });
+        };
+        out.extend(blended(inputs, state, &operands, &numbers, &result));
     }
-    out.push(plain("result, clamped", describe(&steps.clamped)));
-    let on_code_scale = std::array::from_fn(|i| code_scale(channels[i], &arithmetic.describe(&steps.clamped[i])));
-    out.push(plain("on the code scale", on_code_scale));
+    let clamped = describe(&steps.clamped);
+    if (0..4).any(|i| !same(&clamped[i], &result[i])) {
+        out.push(each(StepKind::Clamped, |i| step("to the target's range", "", None, &clamped[i])));
+    }
+    let scaled = |i: usize| Some((channel_steps(inputs.format, i)?, &clamped[i], &steps.clamped[i]));
     out.push(Step {
-        name: "stored code".to_owned(),
-        values: std::array::from_fn(|i| {
-            (channels[i] != ChannelKind::Absent)
-                .then(|| Number { decimal: f64::from(codes[i]), exact: format!("{:#x}", codes[i]) })
+        kind: StepKind::Scaled,
+        channels: std::array::from_fn(|i| {
+            let (n, number, value) = scaled(i)?;
+            let unrounded =
+                number.fraction().map(|x| Number::rational(x * num_rational::BigRational::from_integer(n.into())));
+            let value = arithmetic.describe_scaled(value, n);
+            Some(step(&format!("result * {n}"), &format!("{} * {n}", short(number)), unrounded, &value))
         }),
-        equation: Default::default(),
     });
-    for step in &mut out {
-        for (i, kind) in channels.iter().enumerate() {
-            // An absent channel's alpha still feeds factors; its own result is never stored.
-            if *kind == ChannelKind::Absent && i != 3 {
-                step.values[i] = None;
-                step.equation[i].clear();
-            }
-        }
+    out.push(stored(inputs.format, codes));
+    finish(inputs.format, out, codes)
+}
+
+/// Source, second source, constant and destination, as far as the equation reads them.
+fn taken_in(inputs: &ColorInputs, operands: &Operands<Number>) -> Vec<Step> {
+    let ideal = Extended::new(Rounding::NearestEven, 128);
+    let class = inputs.format.class();
+    let read = |kind, symbol: &str, given: [f32; 4], taken: &Numbers| {
+        each(kind, |i| {
+            let clamped = super::clamp::clamp_input(given[i], class);
+            let clamps = clamped.to_bits() != given[i].to_bits();
+            let formula = if clamps { format!("{symbol}, clamped") } else { symbol.to_owned() };
+            let substituted = if clamps { format!("{}", given[i]) } else { String::new() };
+            step(&formula, &substituted, Some(Number::binary(clamped.into())), &taken[i])
+        })
+    };
+    let mut out = vec![read(StepKind::Source, "S", inputs.src, &operands.src)];
+    let Some(state) = &inputs.blend else { return out };
+    if uses(state, BlendFactor::ref_second_blend_source) {
+        out.push(read(StepKind::SecondSource, "S1", inputs.src1, &operands.src1));
     }
-    Explanation { steps: out, codes }
+    if uses(state, |f| matches!(f, BlendFactor::Constant | BlendFactor::OneMinusConstant)) {
+        out.push(read(StepKind::Constant, "K", inputs.constant, &operands.constant));
+    }
+    out.push(each(StepKind::Destination, |i| {
+        let kind = inputs.format.channels()[i];
+        let code = inputs.dst[i];
+        let formula = match kind {
+            ChannelKind::Absent => "D, no such channel".to_owned(),
+            ChannelKind::Unorm(bits) => format!("D, code {code} of {}", unorm::steps(bits)),
+            ChannelKind::Snorm(bits) => format!("D, code {} of {}", snorm::signed_code(code, bits), snorm::steps(bits)),
+            ChannelKind::Srgb => format!("D, linear value of code {code}"),
+            ChannelKind::Float(_) => format!("D, bits {code:#x}"),
+        };
+        let decoded = (kind != ChannelKind::Absent).then(|| ideal.describe(&ideal.decode(code, kind)));
+        step(&formula, "", decoded, &operands.dst[i])
+    }));
+    out
+}
+
+/// Factors, terms and operation.
+fn blended(
+    inputs: &ColorInputs,
+    state: &BlendState,
+    operands: &Operands<Number>,
+    numbers: &Equation<Number>,
+    result: &Numbers,
+) -> Vec<Step> {
+    let ideal = Extended::new(Rounding::NearestEven, 128);
+    let real = |numbers: &Numbers| -> [Value; 4] { std::array::from_fn(|i| Value::from(&numbers[i])) };
+    let operands_real = Operands {
+        src: real(&operands.src),
+        src1: real(&operands.src1),
+        constant: real(&operands.constant),
+        dst: real(&operands.dst),
+    };
+    // Factors in real arithmetic on what the model took in.
+    let unrounded = equation(&ideal, state, &operands_real, inputs);
+    let factor = |kind, pick: fn(&wgpu_types::BlendComponent) -> BlendFactor, real: &[Value; 4], model: &Numbers| {
+        each(kind, |i| {
+            let (formula, substituted) = formula(pick(component(state, i)), i, operands);
+            step(&formula, &substituted, Some(ideal.describe(&real[i])), &model[i])
+        })
+    };
+    let mut out = vec![
+        factor(StepKind::SourceFactor, |c| c.src_factor, &unrounded.src_factors, &numbers.src_factors),
+        factor(StepKind::DestinationFactor, |c| c.dst_factor, &unrounded.dst_factors, &numbers.dst_factors),
+    ];
+    let product = |i: usize, symbols: &str, x: &Number, factor: &Number, model: &Number| {
+        if operation::ignores_factors(component(state, i).operation) {
+            return step(&format!("{}, factor ignored", &symbols[..1]), "", None, model);
+        }
+        let real = ideal.describe(&ideal.multiply(&Value::from(x), &Value::from(factor)));
+        step(symbols, &format!("{} * {}", short(x), short(factor)), Some(real), model)
+    };
+    out.push(each(StepKind::SourceTerm, |i| {
+        product(i, "S Fs", &operands.src[i], &numbers.src_factors[i], &numbers.terms[i].0)
+    }));
+    out.push(each(StepKind::DestinationTerm, |i| {
+        product(i, "D Fd", &operands.dst[i], &numbers.dst_factors[i], &numbers.terms[i].1)
+    }));
+    out.push(each(StepKind::Result, |i| {
+        let (s, d) = &numbers.terms[i];
+        let operation = component(state, i).operation;
+        let (formula, substituted) = match operation {
+            BlendOperation::Add => ("S Fs + D Fd", format!("{} + {}", short(s), short(d))),
+            BlendOperation::Subtract => ("S Fs - D Fd", format!("{} - {}", short(s), short(d))),
+            BlendOperation::ReverseSubtract => ("D Fd - S Fs", format!("{} - {}", short(d), short(s))),
+            BlendOperation::Min => ("min(S, D)", format!("min({}, {})", short(s), short(d))),
+            BlendOperation::Max => ("max(S, D)", format!("max({}, {})", short(s), short(d))),
+        };
+        let real = operation::apply(&ideal, operation, &Value::from(s), &Value::from(d));
+        step(formula, &substituted, Some(ideal.describe(&real)), &result[i])
+    }));
+    out
 }
 
 /// Whether any factor in use satisfies `wanted`.
-fn uses(state: &wgpu_types::BlendState, wanted: impl Fn(&BlendFactor) -> bool) -> bool {
+fn uses(state: &BlendState, wanted: impl Fn(&BlendFactor) -> bool) -> bool {
     [state.color, state.alpha].iter().any(|c| wanted(&c.src_factor) || wanted(&c.dst_factor))
-}
-
-/// Where a linear normalised value falls between the codes; nothing for other channels.
-fn code_scale(kind: ChannelKind, value: &Number) -> Option<Number> {
-    let steps = match kind {
-        ChannelKind::Unorm(bits) => f64::from(crate::format::unorm::steps(bits)),
-        ChannelKind::Snorm(bits) => f64::from(crate::format::snorm::steps(bits)),
-        ChannelKind::Absent | ChannelKind::Srgb | ChannelKind::Float(_) => return None,
-    };
-    Some(Number { decimal: value.decimal * steps, exact: String::new() })
-}
-
-/// The short form of a number inside an equation.
-fn short(number: &Number) -> String {
-    if number.exact.is_empty() || number.exact.len() > 24 {
-        format!("{}", number.decimal)
-    } else {
-        number.exact.clone()
-    }
-}
-
-/// The formula of a factor for a channel, in the notation of `wgpu-types`.
-fn formula(factor: BlendFactor, channel: usize) -> &'static str {
-    match factor {
-        BlendFactor::Zero => "0",
-        BlendFactor::One => "1",
-        BlendFactor::Src => "S",
-        BlendFactor::OneMinusSrc => "1 - S",
-        BlendFactor::SrcAlpha => "S.a",
-        BlendFactor::OneMinusSrcAlpha => "1 - S.a",
-        BlendFactor::Dst => "D",
-        BlendFactor::OneMinusDst => "1 - D",
-        BlendFactor::DstAlpha => "D.a",
-        BlendFactor::OneMinusDstAlpha => "1 - D.a",
-        BlendFactor::SrcAlphaSaturated if channel == 3 => "1",
-        BlendFactor::SrcAlphaSaturated => "min(S.a, 1 - D.a)",
-        BlendFactor::Constant => "K",
-        BlendFactor::OneMinusConstant => "1 - K",
-        BlendFactor::Src1 => "S1",
-        BlendFactor::OneMinusSrc1 => "1 - S1",
-        BlendFactor::Src1Alpha => "S1.a",
-        BlendFactor::OneMinusSrc1Alpha => "1 - S1.a",
-    }
 }

@@ -5,6 +5,7 @@
 //! Sources: Vulkan, *Framebuffer / Blending*; D3D11.3 17; WebGPU, *Blend State*.
 
 pub mod clamp;
+pub(crate) mod describe;
 mod explain;
 pub mod factor;
 pub mod operation;
@@ -66,7 +67,7 @@ pub fn blend<A: Arithmetic>(arithmetic: &A, inputs: &ColorInputs) -> Steps<A::Va
 }
 
 /// Factors and terms of all four channels.
-fn equation<A: Arithmetic>(
+pub(crate) fn equation<A: Arithmetic>(
     arithmetic: &A,
     state: &BlendState,
     operands: &Operands<A::Value>,

@@ -182,6 +182,6 @@ impl Arithmetic for Bounded {
     }
 
     fn describe(&self, x: &Value) -> Number {
-        Number { decimal: x.near, exact: String::new() }
+        Number::near(x.near)
     }
 }

@@ -88,6 +88,16 @@ fn from_f64(x: f64) -> Value {
     }
 }
 
+impl From<&Number> for Value {
+    /// The number itself where it is known exactly, else its decimal.
+    fn from(number: &Number) -> Self {
+        match number.fraction() {
+            Some(rational) if !rational.is_zero() => point(rational.clone()),
+            _ => from_f64(number.decimal),
+        }
+    }
+}
+
 impl Value {
     /// Whether the number counts as negative: by its sign, or the sign of zero.
     fn is_negative(&self) -> bool {
@@ -257,16 +267,11 @@ impl Arithmetic for Extended {
 
     fn describe(&self, x: &Value) -> Number {
         match x {
-            Value::Nan => Number { decimal: f64::NAN, exact: String::new() },
-            Value::Infinity(negative) => {
-                Number { decimal: if *negative { f64::NEG_INFINITY } else { f64::INFINITY }, exact: String::new() }
-            }
-            Value::Finite(x, zero_sign) => {
-                let near = x.lo.to_f64().unwrap_or(f64::NAN);
-                let decimal = if *zero_sign && near == 0.0 { -0.0 } else { near };
-                let exact = if x.lo == x.hi { x.lo.to_string() } else { String::new() };
-                Number { decimal, exact }
-            }
+            Value::Nan => Number::near(f64::NAN),
+            Value::Infinity(negative) => Number::near(if *negative { f64::NEG_INFINITY } else { f64::INFINITY }),
+            Value::Finite(x, zero_sign) if *zero_sign && x.lo.is_zero() && x.hi.is_zero() => Number::binary(-0.0),
+            Value::Finite(x, _) if x.lo == x.hi => Number::rational(x.lo.clone()),
+            Value::Finite(x, _) => Number::near(x.lo.to_f64().unwrap_or(f64::NAN)),
         }
     }
 }

@@ -105,7 +105,7 @@ impl NumericModel for Llvmpipe {
     }
 
     fn explain_color(&self, inputs: &ColorInputs) -> Explanation {
-        steps::explain(inputs, self.run(inputs))
+        steps::explain(inputs, &self.run(inputs))
     }
 
     /// The driver clamps fragment depth to `[0, 1]`; the viewport's range matters to it only with depth clamping on.

@@ -1,7 +1,11 @@
 //! The driver's intermediate numbers, for explanations.
 
-use crate::format::{ChannelKind, Codes};
-use crate::model::{ColorInputs, Explanation, Number, Step};
+use num_rational::BigRational;
+use wgpu_types::BlendOperation;
+
+use crate::format::{ChannelKind, Codes, TargetClass};
+use crate::merger::blend::{Operands, component, describe};
+use crate::model::{ChannelStep, ColorInputs, Explanation, Number, Step, StepKind};
 
 /// What the driver computed for one texel. Normalised targets hold codes, float targets values.
 #[derive(Clone, Debug)]
@@ -36,57 +40,114 @@ pub(super) struct Equation {
 }
 
 /// Turns the numbers into text.
-pub(super) fn explain(inputs: &ColorInputs, steps: Steps) -> Explanation {
-    let channels = inputs.format.channels();
-    let stored = |i: usize| channels[i] != ChannelKind::Absent;
+pub(super) fn explain(inputs: &ColorInputs, steps: &Steps) -> Explanation {
     let number = |x: f64| match steps.steps {
-        Some(n) => Number { decimal: x / f64::from(n), exact: format!("{x}/{n}") },
-        None => Number { decimal: x, exact: String::new() },
+        Some(n) => code(x, n),
+        None => Number::binary(x),
     };
-    let all = |values: [f64; 4]| -> [Option<Number>; 4] {
-        std::array::from_fn(|i| (stored(i) || i == 3).then(|| number(values[i])))
-    };
-    let same = |text: &str| -> [String; 4] { std::array::from_fn(|_| text.to_owned()) };
-    let mut out =
-        vec![Step { name: "source, taken in".to_owned(), values: all(steps.src), equation: same(steps.rule) }];
-    if inputs.blend.is_some() {
-        let part = |pick: fn(&Equation) -> f64| -> [Option<Number>; 4] {
-            std::array::from_fn(|i| steps.equation[i].as_ref().filter(|_| stored(i)).map(|e| number(pick(e))))
+    let all = |values: [f64; 4]| values.map(number);
+    let (src, dst) = (all(steps.src), all(steps.dst));
+    let given = inputs.src.map(|x| Number::binary(x.into()));
+    let mut out = vec![describe::each(StepKind::Source, |i| {
+        describe::step(&format!("S, {}", steps.rule), "", Some(given[i].clone()), &src[i])
+    })];
+    if let Some(state) = &inputs.blend {
+        out.push(describe::each(StepKind::Destination, |i| {
+            let formula = if inputs.format.channels()[i] == ChannelKind::Absent {
+                "D, no such channel".to_owned()
+            } else {
+                format!("D, code {} loaded", inputs.dst[i])
+            };
+            describe::step(&formula, "", None, &dst[i])
+        }));
+        // Second source and constant are shown by the models that follow the equation.
+        let zeros = all([0.0; 4]);
+        let operands = Operands { src: src.clone(), src1: zeros.clone(), constant: zeros, dst: dst.clone() };
+        let factor = |kind, source: bool| Step {
+            kind,
+            channels: std::array::from_fn(|i| {
+                let equation = steps.equation[i]?;
+                let c = component(state, i);
+                let name = if source { c.src_factor } else { c.dst_factor };
+                let (formula, _) = describe::formula(name, i, &operands);
+                let value = number(if source { equation.src_factor } else { equation.dst_factor });
+                Some(describe::step(&formula, "", None, &value))
+            }),
         };
-        out.push(Step {
-            name: "destination, decoded".to_owned(),
-            values: std::array::from_fn(|i| stored(i).then(|| number(steps.dst[i]))),
-            equation: Default::default(),
-        });
-        out.push(Step {
-            name: "source factor".to_owned(),
-            values: part(|e| e.src_factor),
-            equation: Default::default(),
-        });
-        out.push(Step {
-            name: "destination factor".to_owned(),
-            values: part(|e| e.dst_factor),
-            equation: Default::default(),
-        });
-        let term = |pick: fn((f64, f64)) -> f64| -> [Option<Number>; 4] {
-            std::array::from_fn(|i| {
-                steps.equation[i].and_then(|e| e.terms).filter(|_| stored(i)).map(|t| number(pick(t)))
-            })
+        out.push(factor(StepKind::SourceFactor, true));
+        out.push(factor(StepKind::DestinationFactor, false));
+        let term = |kind, source: bool| Step {
+            kind,
+            channels: std::array::from_fn(|i| {
+                let equation = steps.equation[i]?;
+                let (s, d) = equation.terms?;
+                let (symbols, x, factor, value) = if source {
+                    ("S Fs", &src[i], number(equation.src_factor), number(s))
+                } else {
+                    ("D Fd", &dst[i], number(equation.dst_factor), number(d))
+                };
+                let substituted = format!("{} * {}", describe::short(x), describe::short(&factor));
+                let real = x.fraction().zip(factor.fraction()).map(|(x, factor)| Number::rational(x * factor));
+                Some(describe::step(symbols, &substituted, real, &value))
+            }),
         };
-        out.push(Step { name: "source term".to_owned(), values: term(|t| t.0), equation: Default::default() });
-        out.push(Step { name: "destination term".to_owned(), values: term(|t| t.1), equation: Default::default() });
+        out.push(term(StepKind::SourceTerm, true));
+        out.push(term(StepKind::DestinationTerm, false));
         out.push(Step {
-            name: "result".to_owned(),
-            values: std::array::from_fn(|i| stored(i).then(|| number(steps.result[i]))),
-            equation: std::array::from_fn(|i| steps.equation[i].map_or(String::new(), |e| e.rule.to_owned())),
+            kind: StepKind::Result,
+            channels: std::array::from_fn(|i| {
+                let equation = steps.equation[i]?;
+                let value = number(steps.result[i]);
+                let saturates = steps.steps.is_some();
+                Some(result(component(state, i).operation, &equation, saturates, &value, &number))
+            }),
         });
     }
     out.push(Step {
-        name: "stored code".to_owned(),
-        values: std::array::from_fn(|i| {
-            stored(i).then(|| Number { decimal: f64::from(steps.codes[i]), exact: format!("{:#x}", steps.codes[i]) })
+        kind: StepKind::Scaled,
+        channels: std::array::from_fn(|i| {
+            let n = describe::channel_steps(inputs.format, i)?;
+            // The driver clamps before it stores.
+            let low = if inputs.format.class() == TargetClass::Snorm { -1.0 } else { 0.0 };
+            let clamped = match steps.steps {
+                Some(_) => number(steps.result[i]),
+                None => Number::binary(steps.result[i].clamp(low, 1.0)),
+            };
+            let scaled = Number::rational(clamped.fraction()? * BigRational::from_integer(n.into()));
+            let substituted = format!("{} * {n}", describe::short(&clamped));
+            Some(describe::step(&format!("result * {n}"), &substituted, None, &scaled))
         }),
-        equation: Default::default(),
     });
-    Explanation { steps: out, codes: steps.codes }
+    out.push(describe::stored(inputs.format, steps.codes));
+    describe::finish(inputs.format, out, steps.codes)
+}
+
+/// The driver's rule; where it forms terms, the operation on them.
+fn result(
+    operation: BlendOperation,
+    equation: &Equation,
+    saturates: bool,
+    value: &Number,
+    number: &dyn Fn(f64) -> Number,
+) -> ChannelStep {
+    let Some((s, d)) = equation.terms.map(|(s, d)| (number(s), number(d))) else {
+        return describe::step(equation.rule, "", None, value);
+    };
+    let (formula, left, minus, right) = match operation {
+        BlendOperation::ReverseSubtract => ("D Fd - S Fs", d, true, s),
+        BlendOperation::Subtract => ("S Fs - D Fd", s, true, d),
+        _ => ("S Fs + D Fd", s, false, d),
+    };
+    let formula = if saturates { format!("{formula}, saturating") } else { formula.to_owned() };
+    let sign = if minus { '-' } else { '+' };
+    let substituted = format!("{} {sign} {}", describe::short(&left), describe::short(&right));
+    let real = left.fraction().zip(right.fraction()).map(|(l, r)| Number::rational(if minus { l - r } else { l + r }));
+    describe::step(&formula, &substituted, real, value)
+}
+
+/// A code of n steps as a fraction.
+fn code(x: f64, n: u32) -> Number {
+    #[expect(clippy::cast_possible_truncation, reason = "codes are integers of at most 16 bits and a sign")]
+    let code = x as i64;
+    Number::ratio(code, n)
 }

@@ -1,0 +1,184 @@
+//! `outmerge explain`: one blend, step by step, in one model or all, and why their codes differ.
+
+mod compare;
+mod layout;
+
+use clap::Args;
+use serde::Serialize;
+use wgpu_types::ColorWrites;
+
+use super::{Failure, Outcome, output};
+use crate::format::{ChannelKind, Codes, ColorFormat};
+use crate::merger::write_mask;
+use crate::model::account::{Account, account};
+use crate::model::exact::Exact;
+use crate::model::{ColorInputs, Explanation, NumericModel, registry};
+use crate::state::shaderlab::Properties;
+use crate::state::text;
+
+/// Arguments of `explain`.
+#[derive(Debug, Args)]
+pub(super) struct Explain {
+    /// The state: a preset, blend factors in any API's spelling, a ShaderLab block, or WebGPU JSON.
+    #[arg(long, short)]
+    state: String,
+    /// The target's format, by its WebGPU name.
+    #[arg(long, short, default_value = "rgba8unorm")]
+    format: String,
+    /// Fragment output: r,g,b,a.
+    #[arg(long, value_name = "R,G,B,A", allow_hyphen_values = true)]
+    src: String,
+    /// Destination: r,g,b,a as numbers, stored first (nearest), or #hex, the texel's bytes in memory order.
+    #[arg(long, value_name = "R,G,B,A", allow_hyphen_values = true)]
+    dst: String,
+    /// Second source: r,g,b,a.
+    #[arg(long, value_name = "R,G,B,A", default_value = "0,0,0,0", allow_hyphen_values = true)]
+    src1: String,
+    /// Blend constant: r,g,b,a.
+    #[arg(long, value_name = "R,G,B,A", default_value = "0,0,0,0", allow_hyphen_values = true)]
+    constant: String,
+    /// A numeric model, or `all`.
+    #[arg(long, short, default_value = "all")]
+    model: String,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What was asked.
+struct Question {
+    state: String,
+    inputs: ColorInputs,
+    mask: ColorWrites,
+}
+
+/// One model's answer.
+#[derive(Serialize)]
+struct Answer {
+    model: String,
+    provenance: &'static str,
+    #[serde(flatten)]
+    explanation: Explanation,
+    /// The codes stored, write mask applied.
+    stored: Codes,
+    /// Every rounding on the way, in codes, RGBA; nothing for channels that are masked, absent or not finite.
+    accounts: [Option<Account>; 4],
+}
+
+/// All answers and what could not be answered.
+#[derive(Serialize)]
+struct Answers {
+    /// `exact`, the yardstick of the rest.
+    exact: Answer,
+    /// The models asked for, `exact` not among them.
+    models: Vec<Answer>,
+    /// Models that define no result here, with the reason.
+    left_out: Vec<String>,
+}
+
+impl Explain {
+    pub(super) fn run(self) -> Result<Outcome, Failure> {
+        let question = self.question()?;
+        let answers = self.answers(&question)?;
+        if self.json {
+            output::print_json(&answers)?;
+        } else {
+            let mut text = layout::heading(&question);
+            let models = answers.models.iter();
+            for answer in std::iter::once(&answers.exact).filter(|_| self.shows_exact()).chain(models) {
+                text.push_str(&layout::answer(answer, &question));
+            }
+            text.push_str(&compare::tables(&answers, &question));
+            output::print(&text)?;
+        }
+        Ok(Outcome::Fine)
+    }
+
+    fn shows_exact(&self) -> bool {
+        self.model == "all" || self.model == "exact"
+    }
+
+    fn question(&self) -> Result<Question, Failure> {
+        let format = ColorFormat::from_name(&self.format)?;
+        let block = text::parse(&self.state, &Properties::new()).map_err(|e| format!("--state: {e}"))?;
+        let inputs = ColorInputs {
+            format,
+            blend: block.blend[0],
+            constant: color("--constant", &self.constant)?,
+            src: color("--src", &self.src)?,
+            src1: color("--src1", &self.src1)?,
+            dst: destination(format, &self.dst)?,
+        };
+        Ok(Question { state: self.state.clone(), inputs, mask: block.write_mask[0] })
+    }
+
+    fn answers(&self, question: &Question) -> Result<Answers, Failure> {
+        let yardstick = Exact::default();
+        let exact = yardstick.explain_color(&question.inputs);
+        let models = match self.model.as_str() {
+            "all" => registry::all(),
+            name => vec![registry::by_name(name)?],
+        };
+        let mut answers =
+            Answers { exact: question.answer(&yardstick, &exact), models: Vec::new(), left_out: Vec::new() };
+        for model in models.iter().filter(|model| model.name() != yardstick.name()) {
+            match model.supports(question.inputs.format, question.inputs.blend.as_ref()) {
+                Ok(()) => answers.models.push(question.answer(model.as_ref(), &exact)),
+                Err(reason) if models.len() == 1 => return Err(reason.into()),
+                Err(reason) => answers.left_out.push(reason.to_string()),
+            }
+        }
+        Ok(answers)
+    }
+}
+
+impl Question {
+    fn answer(&self, model: &dyn NumericModel, exact: &Explanation) -> Answer {
+        let explanation = model.explain_color(&self.inputs);
+        let accounts =
+            std::array::from_fn(|i| if self.writes(i) { account(&self.inputs, &explanation, exact, i) } else { None });
+        Answer {
+            model: model.name(),
+            provenance: model.provenance(),
+            stored: write_mask::select(self.mask, self.inputs.dst, explanation.codes),
+            explanation,
+            accounts,
+        }
+    }
+
+    /// Whether the target has this channel.
+    fn stores(&self, channel: usize) -> bool {
+        self.inputs.format.channels()[channel] != ChannelKind::Absent
+    }
+
+    /// Whether the target has this channel and the mask lets it through.
+    fn writes(&self, channel: usize) -> bool {
+        self.stores(channel) && self.mask.bits() >> channel & 1 == 1
+    }
+}
+
+/// Four numbers separated by commas; `nan`, `inf` and `-inf` are numbers here.
+pub(super) fn color(option: &str, text: &str) -> Result<[f32; 4], Failure> {
+    let parts: Vec<&str> = text.split(',').map(str::trim).collect();
+    let wrong = || format!("{option} {text}: write four numbers separated by commas, e.g. 1,0.5,0,1");
+    let [r, g, b, a] = parts[..] else { return Err(wrong().into()) };
+    let number = |part: &str| part.parse::<f32>().map_err(|_| wrong());
+    Ok([number(r)?, number(g)?, number(b)?, number(a)?])
+}
+
+/// The stored texel: bytes in hex, or numbers stored to the nearest code.
+fn destination(format: ColorFormat, text: &str) -> Result<Codes, Failure> {
+    let Some(hex) = text.strip_prefix('#') else {
+        let src = color("--dst", text)?;
+        // Storing a number is what drawing it without blending does.
+        let inputs = ColorInputs { format, blend: None, constant: [0.0; 4], src, src1: [0.0; 4], dst: [0; 4] };
+        return Ok(Exact::default().merge_color(&inputs));
+    };
+    let bytes = format.bytes_per_texel();
+    let digits = hex.chars().all(|c| c.is_ascii_hexdigit());
+    if !digits || hex.len() != 2 * bytes {
+        return Err(format!("--dst #{hex}: a {} texel is {} hex digits", format.name(), 2 * bytes).into());
+    }
+    let parsed = (0..bytes).map(|i| u8::from_str_radix(&hex[2 * i..2 * i + 2], 16)).collect::<Result<Vec<_>, _>>()?;
+    Ok(format.unpack(&parsed))
+}
