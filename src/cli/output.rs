@@ -67,8 +67,9 @@ pub(super) fn open(path: &Path) -> Result<Box<dyn io::BufRead>, Failure> {
 
 /// Whether an error only says that nobody reads our output any more.
 pub(super) fn is_closed_pipe(error: &(dyn Error + 'static)) -> bool {
-    let kind = error.downcast_ref::<io::Error>().map(io::Error::kind);
-    kind == Some(io::ErrorKind::BrokenPipe)
+    std::iter::successors(Some(error), |error: &&(dyn Error + 'static)| (*error).source())
+        .filter_map(|error| error.downcast_ref::<io::Error>())
+        .any(|error| error.kind() == io::ErrorKind::BrokenPipe)
 }
 
 /// A table without rules or frame.

@@ -152,9 +152,14 @@ impl Generate {
         }
         let (lines, texels) = (self.lines as usize, self.texels as usize);
         output::write_file(&self.output, |file| {
-            for line in vectors::generate(self.seed, &formats, lines, texels) {
-                let text = line.to_json();
-                vectors::apply(model.as_ref(), text.as_bytes(), &mut *file)?;
+            for mut line in vectors::generate(self.seed, &formats, lines, texels) {
+                if model.supports(line.format, line.blend.as_ref()).is_err() {
+                    // The format without blending is all this model has.
+                    (line.blend, line.src1) = (None, None);
+                    model.supports(line.format, None)?;
+                }
+                vectors::fill(model.as_ref(), &mut line);
+                writeln!(file, "{}", line.to_json())?;
             }
             Ok(())
         })?;

@@ -103,18 +103,23 @@ pub fn apply(model: &dyn NumericModel, input: impl BufRead, mut output: impl Wri
     let mut count = 0;
     for_each_line(input, |number, mut line| {
         supported(model, number, &line)?;
-        let each = line.format.bytes_per_texel();
-        let mut out = vec![0; line.dst.len()];
-        for i in 0..line.len() {
-            let (_, codes) = run(model, &line, i);
-            line.format.pack(codes, &mut out[i * each..]);
-        }
-        line.out = Some(out);
+        fill(model, &mut line);
         writeln!(output, "{}", line.to_json())?;
         count += 1;
         Ok(())
     })?;
     Ok(count)
+}
+
+/// Sets `out` to the model's result. The model must [support](NumericModel::supports) the line's format and state.
+pub fn fill(model: &dyn NumericModel, line: &mut VectorLine) {
+    let each = line.format.bytes_per_texel();
+    let mut out = vec![0; line.dst.len()];
+    for i in 0..line.len() {
+        let (_, codes) = run(model, line, i);
+        line.format.pack(codes, &mut out[i * each..]);
+    }
+    line.out = Some(out);
 }
 
 /// Whether two texels agree: bit for bit, but any NaN of a float channel equals any NaN.

@@ -74,6 +74,7 @@ pub enum LineError {
 }
 
 #[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct RawLine {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     kind: Option<String>,
@@ -95,12 +96,14 @@ struct RawLine {
 }
 
 #[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct RawBlend {
     color: RawComponent,
     alpha: RawComponent,
 }
 
 #[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct RawComponent {
     src: String,
     dst: String,

@@ -21,7 +21,7 @@ mod generate;
 mod hex;
 mod line;
 
-pub use check::{Checked, Mismatch, Report, apply, check};
+pub use check::{Checked, Mismatch, Report, apply, check, fill};
 pub use generate::{Generator, generate};
 pub use line::{LineError, VectorLine};
 

@@ -23,7 +23,7 @@ pub(super) fn tables(answers: &Answers, question: &Question) -> String {
         text.push_str(&account(&all, group, question));
     }
     for reason in &answers.left_out {
-        let _ = writeln!(text, "\nleft out: {reason}");
+        let _ = write!(text, "\n{}", wrap(&format!("left out: {reason}"), 2));
     }
     text
 }
@@ -61,7 +61,11 @@ fn account(all: &[&Answer], group: &[usize], question: &Question) -> String {
         _ => "codes",
     };
     let differs = all.iter().any(|answer| answer.stored[channel] != all[0].stored[channel]);
-    let title = if differs { "why they differ" } else { "the same code by different ways" };
+    let title = match (differs, all.len()) {
+        (true, _) => "why they differ",
+        (false, 1) => "from the exact value to the code",
+        (false, _) => "the same code by different ways",
+    };
     let mut text = format!("\n{title}: {} (in {unit}; exact + parts = stored)\n", names(group));
     let mut header = vec!["  model".to_owned()];
     header.push("exact".to_owned());

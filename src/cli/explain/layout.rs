@@ -157,18 +157,23 @@ fn stored(explanation: &Explanation, channel: usize, format: ColorFormat) -> [St
     ["stored code".to_owned(), rule, exact, decimal]
 }
 
-/// Exact form and decimal of a number; one of them empty where it says nothing new.
+/// Exact form and decimal of a number, the decimal in full only where it stands alone.
 fn value(number: &Number) -> (String, String) {
-    let decimal = decimal(number.decimal);
     if number.exact.is_empty() || number.exact.len() > MAX_EXACT {
-        return (String::new(), decimal);
+        return (String::new(), decimal(number.decimal));
     }
+    let decimal = short_decimal(number.decimal);
     if number.exact == decimal { (decimal, String::new()) } else { (number.exact.clone(), decimal) }
 }
 
-/// What was rounded: `rounded from 63.25098/255`.
+/// Eight significant digits.
+fn short_decimal(x: f64) -> String {
+    format!("{x:.7e}").parse().map_or_else(|_| decimal(x), decimal)
+}
+
+/// What was rounded: `from 63.25098/255`.
 fn rounded_from(from: &Number, to: &Number) -> String {
-    format!("  rounded from {}", over_same(from, to).unwrap_or_else(|| decimal(from.decimal)))
+    format!("  from {}", over_same(from, to).unwrap_or_else(|| decimal(from.decimal)))
 }
 
 /// A number over the denominator of another, `63.25098/255`, where that has one.

@@ -149,7 +149,9 @@ fn camera(file: &FileCamera, field: &FieldPath) -> Result<Camera, Fault> {
         }
         (Some(fov_y), None) => Projection::Perspective { fov_y: within(&field.key("fov-y"), fov_y, 1.0..=170.0)? },
         (None, height) => {
-            Projection::Orthographic { height: positive(&field.key("height"), height.unwrap_or(2.0).min(MAX_LENGTH))? }
+            let field = field.key("height");
+            let height = positive(&field, height.unwrap_or(2.0))?;
+            Projection::Orthographic { height: within(&field, height, 0.0..=MAX_LENGTH)? }
         }
     };
     let near = positive(&field.key("near"), file.near.unwrap_or(0.1))?;
