@@ -174,8 +174,7 @@ fn verdict(answer: &Answer) -> String {
         (_, cycle) => format!("oscillates among {} codes after {}", cycle.len(), frames(answer.frames)),
     };
     if let Some(d) = &answer.difference {
-        let reason =
-            d.departure.as_ref().map_or("the same value is stored with another rounding".to_owned(), reason);
+        let reason = d.departure.as_ref().map_or("the same value is stored with another rounding".to_owned(), reason);
         let _ = write!(
             text,
             "; leaves exact at frame {}: {} becomes {} instead of {}, as {reason}",

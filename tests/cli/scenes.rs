@@ -1,0 +1,124 @@
+//! Scenes from files: pictures, reports, and what cannot be drawn.
+
+use super::{fails, file, files, outmerge};
+use predicates::prelude::{PredicateBooleanExt, predicate};
+use tempfile::TempDir;
+
+const SCENE: &str = r#"version = 1
+title = "One quad"
+explanation = "A quad."
+technique = "test"
+
+[target]
+width = 16
+height = 16
+
+[camera]
+height = 2.0
+
+[[material]]
+name = "plain"
+mode = "fade"
+tint = [1.0, 0.5, 0.25, 0.5]
+
+[[object]]
+name = "quad"
+mesh = "quad"
+material = "plain"
+"#;
+
+/// Renders a scene that cannot be; no picture may appear.
+fn scene_fails(scene: &str, expected: &str) {
+    let (folder, path) = file("scene.toml", scene);
+    let out = folder.path().join("out.png");
+    fails(&["render", path.to_str().expect("UTF-8"), "-o", out.to_str().expect("UTF-8")], expected);
+    assert_eq!(files(folder.path()), ["scene.toml"], "no partial file");
+}
+
+#[test]
+fn a_scene_becomes_a_picture() {
+    let (folder, path) = file("scene.toml", SCENE);
+    let out = folder.path().join("out.png");
+    outmerge(&["render", path.to_str().expect("UTF-8"), "-o", out.to_str().expect("UTF-8")]).assert().success();
+    assert_eq!(files(folder.path()), ["out.png", "scene.toml"], "nothing but the picture");
+    let picture = image::open(&out).expect("a PNG");
+    assert_eq!((picture.width(), picture.height()), (16, 16), "the target's size");
+}
+
+#[test]
+fn malformed_scenes_name_file_and_line() {
+    scene_fails(&SCENE.replace("width = 16", "width = = 16"), "scene.toml:7");
+    scene_fails(&SCENE.replace("mode = \"fade\"", "mode = \"fude\""), "scene.toml:15");
+    scene_fails(&SCENE.replace("title", "titel"), "titel");
+    scene_fails(&SCENE.replace("version = 1", "version = 9"), "version");
+    scene_fails("", "version");
+}
+
+#[test]
+fn impossible_targets_are_refused() {
+    scene_fails(&SCENE.replace("= 16", "= 0"), "it must be 1 to 8192");
+    scene_fails(&SCENE.replace("= 16", "= 100000"), "100000");
+}
+
+#[test]
+fn numbers_must_be_finite() {
+    scene_fails(&SCENE.replace("0.25", "nan"), "tint");
+    scene_fails(&SCENE.replace("height = 2.0", "height = inf"), "height");
+}
+
+#[test]
+fn unknown_factors_are_named() {
+    let pass = "\n[[material.pass]]\nstate = \"Blend SrcAlpha OneMinusSrcAlhpa\"\n\n[[object]]";
+    scene_fails(&SCENE.replace("\n[[object]]", pass), "OneMinusSrcAlhpa");
+}
+
+#[test]
+fn truncated_pictures_are_refused() {
+    let textured = SCENE.replace(
+        "[[material]]\nname = \"plain\"",
+        "[[texture]]\nname = \"cut\"\nfile = \"cut.png\"\nspace = \"srgb\"\n\n[[material]]\nname = \"plain\"\ntexture = \"cut\"",
+    );
+    let (folder, path) = file("scene.toml", textured);
+    let whole = folder.path().join("cut.png");
+    image::RgbaImage::from_pixel(32, 32, image::Rgba([1, 2, 3, 4])).save(&whole).expect("a PNG is written");
+    let bytes = std::fs::read(&whole).expect("readable");
+    let out = folder.path().join("out.png");
+    let arguments = ["render", path.to_str().expect("UTF-8"), "-o", out.to_str().expect("UTF-8")];
+    outmerge(&arguments).assert().success();
+    std::fs::remove_file(&out).expect("the whole picture was fine");
+    for length in [0, 7, 20, bytes.len() / 2, bytes.len() - 13] {
+        std::fs::write(&whole, &bytes[..length]).expect("writable");
+        fails(&arguments, "cut.png");
+        assert_eq!(files(folder.path()), ["cut.png", "scene.toml"], "no partial file at {length} bytes");
+    }
+}
+
+#[test]
+fn unknown_scenes_list_the_bundled_ones() {
+    fails(&["render", "no-such-scene", "-o", "out.png"], "fade-over-opaque");
+    fails(&["render", "no-such-file.toml", "-o", "out.png"], "no-such-file.toml");
+}
+
+#[test]
+fn an_unwritable_place_is_an_error() {
+    fails(&["render", "cutout-quad", "-o", "/no/such/folder/out.png"], "/no/such/folder/out.png");
+}
+
+#[test]
+fn a_report_is_one_page_that_needs_nothing_else() {
+    let folder = TempDir::new().expect("a temporary folder");
+    let out = folder.path().join("report");
+    outmerge(&["report", "-o", out.to_str().expect("UTF-8"), "fade-over-opaque", "overlap-zwrite-on"])
+        .assert()
+        .success()
+        .stdout(predicate::str::contains("fixed:8").and(predicate::str::contains("exact")));
+    assert_eq!(files(&out), ["index.html", "report.json"], "the page and its numbers");
+    let page = std::fs::read_to_string(out.join("index.html")).expect("readable");
+    for foreign in ["http://", "https://", "<script", "src=\"/", "url(/"] {
+        assert!(!page.contains(foreign), "the page must not refer to `{foreign}`");
+    }
+    assert!(page.contains("data:image/png;base64,"), "pictures are inside");
+    let json = std::fs::read(out.join("report.json")).expect("readable");
+    let json: serde_json::Value = serde_json::from_slice(&json).expect("JSON");
+    assert_eq!(json["scenes"].as_array().map(Vec::len), Some(2), "both scenes");
+}
