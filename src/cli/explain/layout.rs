@@ -140,7 +140,11 @@ fn stored(explanation: &Explanation, channel: usize, format: ColorFormat) -> [St
             if off == 0.0 {
                 "a whole code".to_owned()
             } else if off == 0.5 {
-                format!("{} is a tie{}", decimal(scaled.decimal), if code % 2 == 0 { ": to the even code" } else { "" })
+                format!(
+                    "{} is a tie{}",
+                    decimal(scaled.decimal),
+                    if code.is_multiple_of(2) { ": to the even code" } else { "" }
+                )
             } else if off < 0.5 {
                 "the nearest code".to_owned()
             } else {
