@@ -125,6 +125,7 @@ mod tests {
             states: 1,
             seconds: 0.5,
             not_run: None,
+            left_out: None,
             models: BTreeMap::new(),
         }
     }

@@ -42,6 +42,9 @@ pub struct UnitOutcome {
     /// Why it was not run; then it counts neither for nor against any model.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub not_run: Option<String>,
+    /// Which of its states the adapter cannot run; the others count.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub left_out: Option<String>,
     /// By model.
     pub models: BTreeMap<String, ModelOutcome>,
 }
@@ -74,6 +77,7 @@ impl UnitOutcome {
             states: 0,
             seconds: 0.0,
             not_run: Some(reason.into()),
+            left_out: None,
             models: BTreeMap::new(),
         }
     }
@@ -214,6 +218,7 @@ mod tests {
                 states: 2,
                 seconds: 1.0,
                 not_run: None,
+                left_out: None,
                 models: [("m".to_owned(), outcome)].into(),
             }],
         }

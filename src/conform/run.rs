@@ -21,8 +21,10 @@ pub struct Subject {
     pub name: String,
     /// The model.
     pub model: Box<dyn NumericModel>,
-    /// The same as llvmpipe, whose store and 8-bit arithmetic are fast enough for every input.
+    /// The same as llvmpipe, whose store and 8-bit arithmetic run alone.
     pub llvmpipe: Option<Llvmpipe>,
+    /// Whether the model is fast enough for every input: llvmpipe, and the models in binary32.
+    pub exhaustive: bool,
 }
 
 impl Subject {
@@ -38,7 +40,8 @@ impl Subject {
             "llvmpipe:128" => Some(Llvmpipe { vector_width: VectorWidth::Bits128 }),
             _ => None,
         };
-        Ok(Self { name, model, llvmpipe })
+        let exhaustive = llvmpipe.is_some() || matches!(name.as_str(), "f32" | "swiftshader");
+        Ok(Self { name, model, llvmpipe, exhaustive })
     }
 }
 
@@ -47,12 +50,14 @@ impl Subject {
 pub(super) struct Tally {
     pub texels: u64,
     pub states: u64,
+    /// States the device cannot run, in words.
+    pub left_out: Option<String>,
     pub models: Vec<ModelOutcome>,
 }
 
 impl Tally {
     pub(super) fn new(subjects: &[Subject]) -> Self {
-        Self { texels: 0, states: 0, models: vec![ModelOutcome::default(); subjects.len()] }
+        Self { texels: 0, states: 0, left_out: None, models: vec![ModelOutcome::default(); subjects.len()] }
     }
 
     /// Adds one state's comparison with model number `i`.
@@ -166,6 +171,7 @@ fn run_unit(device: &Device, subjects: &[Subject], unit: &Unit) -> Result<UnitOu
         states: tally.states,
         seconds: started.elapsed().as_secs_f64(),
         not_run: None,
+        left_out: tally.left_out,
         models: names.zip(tally.models).collect::<BTreeMap<_, _>>(),
     })
 }

@@ -82,6 +82,9 @@ fn not_run(results: &Results) -> Vec<String> {
         if let Some(reason) = &unit.not_run {
             lines.push(format!("{}: {reason}", unit.unit));
         }
+        if let Some(reason) = &unit.left_out {
+            lines.push(format!("in {}: {reason}", unit.unit));
+        }
         for (model, outcome) in &unit.models {
             if let Some(reason) = &outcome.not_run {
                 let formats = left_out.entry((model, reason)).or_default();
@@ -134,6 +137,7 @@ mod tests {
             states: 2,
             seconds: 1.0,
             not_run: None,
+            left_out: None,
             models: BTreeMap::new(),
         };
         let models = [("a", good), ("b", bad), ("c", absent)].map(|(name, outcome)| (name.to_owned(), outcome));

@@ -141,6 +141,12 @@ impl Device {
         self.renders(format) && self.adapter.get_texture_format_features(format).flags.contains(wanted)
     }
 
+    /// Whether the adapter has a second blend source.
+    #[must_use]
+    pub fn has_second_source(&self) -> bool {
+        self.features().contains(Features::DUAL_SOURCE_BLENDING)
+    }
+
     /// The usages this device may give a texture of `format`.
     fn usages(&self, format: wgpu::TextureFormat) -> wgpu::TextureUsages {
         let features = self.device.features();

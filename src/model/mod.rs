@@ -11,6 +11,7 @@
 //! | [`binary16`] (`f16`) | every operation rounded to binary16 |
 //! | [`fixed`] | parametric fixed point |
 //! | [`llvmpipe`] | Mesa's llvmpipe (lavapipe), bit for bit |
+//! | [`swiftshader`] | SwiftShader's Vulkan driver, bit for bit |
 
 pub mod account;
 pub mod binary16;
@@ -21,6 +22,7 @@ pub mod fixed;
 pub mod llvmpipe;
 mod number;
 pub mod registry;
+pub mod swiftshader;
 
 pub use explanation::{ChannelStep, Explanation, Step, StepKind};
 pub use number::{Number, decimal};
@@ -89,13 +91,18 @@ pub trait NumericModel: Debug + Send + Sync {
 
 /// The operations the blend equation is made of, over one kind of number.
 ///
-/// Callers clamp shader outputs and constants (as `f32`, which is exact) before [`take_in`](Self::take_in).
+/// Callers clamp shader outputs (as `f32`, which is exact) before [`take_in`](Self::take_in).
 pub trait Arithmetic {
     /// The number inside the blender.
     type Value: Clone + Debug;
 
-    /// Takes in a shader output or blend constant, already clamped for the target class.
+    /// Takes in a shader output, already clamped for the target class.
     fn take_in(&self, x: f32, format: ColorFormat, channel: usize) -> Self::Value;
+
+    /// Takes in a blend constant, clamping it for the target class.
+    fn take_in_constant(&self, x: f32, format: ColorFormat, channel: usize) -> Self::Value {
+        self.take_in(blend::clamp::clamp_input(x, format.class()), format, channel)
+    }
 
     /// Decodes a stored code; sRGB codes give linear values. Never asked for an absent channel.
     fn decode(&self, code: u32, kind: ChannelKind) -> Self::Value;
@@ -108,6 +115,11 @@ pub trait Arithmetic {
 
     /// 1 - x.
     fn complement(&self, x: &Self::Value) -> Self::Value;
+
+    /// The factor src-alpha-saturated: the smaller of source alpha and 1 - destination alpha, the `room` left.
+    fn saturate(&self, src_alpha: &Self::Value, room: &Self::Value) -> Self::Value {
+        self.minimum(src_alpha, room)
+    }
 
     /// Narrows a value to the width of a factor; most models leave it alone.
     fn factor(&self, x: Self::Value) -> Self::Value {

@@ -6,6 +6,7 @@ use super::binary32::Binary32;
 use super::exact::Exact;
 use super::fixed::{FixedPoint, FixedSpecError};
 use super::llvmpipe::{Llvmpipe, VectorWidth};
+use super::swiftshader::SwiftShader;
 use crate::format::Rounding;
 
 /// A model name that names nothing.
@@ -20,7 +21,8 @@ pub enum ModelNameError {
 }
 
 /// The names [`by_name`] takes; `fixed` also takes parameters after a colon.
-pub const NAMES: [&str; 7] = ["exact", "exact:ties-away", "f32", "f16", "fixed:8", "llvmpipe", "llvmpipe:128"];
+pub const NAMES: [&str; 8] =
+    ["exact", "exact:ties-away", "f32", "f16", "fixed:8", "llvmpipe", "llvmpipe:128", "swiftshader"];
 
 /// The model with this name.
 ///
@@ -35,6 +37,7 @@ pub fn by_name(name: &str) -> Result<Box<dyn NumericModel>, ModelNameError> {
         "f16" => Box::new(Binary16),
         "llvmpipe" => Box::new(Llvmpipe::default()),
         "llvmpipe:128" => Box::new(Llvmpipe { vector_width: VectorWidth::Bits128 }),
+        "swiftshader" => Box::new(SwiftShader),
         "fixed" => Box::new(FixedPoint::default()),
         _ => match name.strip_prefix("fixed:") {
             Some(spec) => Box::new(spec.parse::<FixedPoint>()?),
@@ -52,5 +55,6 @@ pub fn all() -> Vec<Box<dyn NumericModel>> {
         Box::new(Binary16),
         Box::new(FixedPoint::default()),
         Box::new(Llvmpipe::default()),
+        Box::new(SwiftShader),
     ]
 }

@@ -42,7 +42,7 @@ pub fn factor<A: Arithmetic>(
         BlendFactor::OneMinusDstAlpha => complement(&dst[3]),
         // min(source alpha, 1 - destination alpha) for color, 1 for alpha.
         BlendFactor::SrcAlphaSaturated if channel == 3 => arithmetic.one(),
-        BlendFactor::SrcAlphaSaturated => arithmetic.minimum(&src[3], &complement(&dst[3])),
+        BlendFactor::SrcAlphaSaturated => arithmetic.saturate(&src[3], &complement(&dst[3])),
         BlendFactor::Constant => constant[channel].clone(),
         BlendFactor::OneMinusConstant => complement(&constant[channel]),
         BlendFactor::Src1 => src1[channel].clone(),

@@ -51,7 +51,7 @@ pub fn blend<A: Arithmetic>(arithmetic: &A, inputs: &ColorInputs) -> Steps<A::Va
     let operands = Operands {
         src: take_in(inputs.src),
         src1: take_in(inputs.src1),
-        constant: take_in(inputs.constant),
+        constant: std::array::from_fn(|i| arithmetic.take_in_constant(inputs.constant[i], inputs.format, i)),
         dst: load(arithmetic, inputs.format, inputs.dst),
     };
     let equation = inputs.blend.map(|state| equation(arithmetic, &state, &operands, inputs));
