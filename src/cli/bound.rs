@@ -9,7 +9,7 @@ use crate::analysis::bound::{self, Bound, BoundError, Growth};
 use crate::analysis::stability::stack;
 use crate::format::ColorFormat;
 use crate::model::{NumericModel, registry};
-use crate::report::plot::{Axis, Chart, Mark, Series};
+use crate::report::section::bound as section;
 
 /// Arguments of `bound`.
 #[derive(Debug, Args)]
@@ -71,7 +71,7 @@ impl BoundCommand {
             return Err(format!("no bound is proven for model `{}` on any of: {}", self.model, names.join(", ")).into());
         }
         if let Some(path) = &self.plot {
-            output::write_chart(path, &chart(&curves, self.layers))?;
+            output::write_chart(path, &section::chart(&curves, self.layers))?;
         }
         if self.json {
             output::print_json(&rows)?;
@@ -87,57 +87,15 @@ impl BoundCommand {
     }
 
     fn text(&self, rows: &[Row]) -> String {
-        let within = format!("layers within {}", self.tolerance);
-        let header = ["format", "one layer", "all layers", "any number", within.as_str(), "found"];
-        let mut table = output::table(header.into_iter().take(if self.search { 6 } else { 5 }));
-        for Row { bound, found } in rows {
-            let cells = [
-                bound.format.to_owned(),
-                codes(255.0 * bound.step),
-                codes(bound.codes),
-                codes(255.0 * bound.limit),
-                bound.layers_within.map_or("any number".to_owned(), |layers| layers.to_string()),
-            ];
-            table.add_row(cells.into_iter().chain(found.map(codes)));
-        }
+        let bounds: Vec<Bound> = rows.iter().map(|row| row.bound.clone()).collect();
+        let found: Option<Vec<f64>> = rows.iter().map(|row| row.found).collect();
         format!(
             "{} layers of alpha {}, any colors, straight over, in {}: the stored color is at most this far from real\n\
-             arithmetic, in codes of an 8-bit target (linear light on sRGB targets)\n\n{}",
+             arithmetic (linear light on sRGB targets)\n\n{}",
             self.layers,
             self.alpha,
             self.model,
-            output::lines(&table)
+            output::text(&section::table(&bounds, found.as_deref()))
         )
-    }
-}
-
-/// Four digits of a bound, rounded up.
-fn codes(x: f64) -> String {
-    if x == 0.0 {
-        return "0".to_owned();
-    }
-    let scale = 10_f64.powf((3.0 - x.log10().floor()).max(0.0));
-    let up = (x * scale * (1.0 - 1e-12)).ceil() / scale;
-    if up < 1e-3 { format!("{up:.3e}") } else { up.to_string() }
-}
-
-/// The bounds against the number of layers.
-fn chart(curves: &[(&str, Growth)], layers: u32) -> Chart {
-    let series = curves.iter().map(|(name, growth)| {
-        let mut points = Vec::new();
-        let (mut error, mut shown) = (0.0, 1);
-        for layer in 1..=layers {
-            error = growth.after(error);
-            if layer == shown || layer == layers {
-                points.push((f64::from(layer), 255.0 * error));
-                shown = (shown + shown.div_ceil(8)).max(shown + 1);
-            }
-        }
-        Series { name: (*name).to_owned(), points, mark: Mark::Line }
-    });
-    Chart {
-        x: Axis::new("layers", 1.0),
-        y: Axis::new("largest possible error, codes of 8 bits", 1e-6),
-        series: series.collect(),
     }
 }

@@ -84,3 +84,13 @@ pub(super) fn table<'a>(header: impl IntoIterator<Item = &'a str>) -> comfy_tabl
 pub(super) fn lines(table: &comfy_table::Table) -> String {
     table.lines().map(|line| format!("{}\n", line.trim_end())).collect()
 }
+
+/// A table of the report, its caption above it.
+pub(super) fn text(report: &crate::report::section::Table) -> String {
+    let mut shown = table(report.header.iter().map(String::as_str));
+    report.rows.iter().for_each(|row| {
+        shown.add_row(row);
+    });
+    let caption = if report.caption.is_empty() { String::new() } else { format!("{}\n", report.caption) };
+    caption + &lines(&shown)
+}

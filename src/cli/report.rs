@@ -7,6 +7,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{Failure, Outcome, output, render};
 use crate::model::{NumericModel, registry};
+use crate::report::section::{self, Section};
 use crate::report::{self, device::DeviceSection};
 use crate::scene::Scene;
 
@@ -21,6 +22,9 @@ pub(super) struct Report {
     /// Numeric models beside `exact`, comma separated; all unless given.
     #[arg(long, short, value_delimiter = ',')]
     models: Vec<String>,
+    /// Add the analyses also when scenes are named; with all scenes they are always there.
+    #[arg(long)]
+    analyses: bool,
     /// Print the report as JSON instead of the table.
     #[arg(long)]
     json: bool,
@@ -34,9 +38,9 @@ pub(super) struct Report {
     no_device: bool,
 }
 
-/// A progress bar over scenes, on stderr.
+/// A progress bar over scenes or analyses, on stderr.
 fn progress(scenes: usize, doing: &'static str) -> Result<ProgressBar, Failure> {
-    let style = ProgressStyle::with_template("{prefix} {bar:40} {pos}/{len} scenes {elapsed}")?;
+    let style = ProgressStyle::with_template("{prefix} {bar:40} {pos}/{len} {elapsed}")?;
     Ok(ProgressBar::new(scenes as u64).with_style(style).with_prefix(doing))
 }
 
@@ -52,16 +56,17 @@ impl Report {
         std::fs::create_dir_all(&self.output)
             .map_err(|error| format!("cannot make the folder {}: {error}", self.output.display()))?;
 
-        let bar = progress(scenes.len(), "rendering")?;
+        let bar = progress(scenes.len(), "rendering scenes")?;
         let reports = report::compare(&scenes, &models, &|| bar.inc(1))?;
         bar.finish_and_clear();
 
         let device = self.device(&scenes)?;
+        let analyses = self.analyses(&models)?;
         let rows = report::summarize(&reports);
-        let page = report::html::page(&reports, &rows, &device, "outmerge report")?;
+        let page = report::html::page(&reports, &rows, &device, &analyses, "outmerge report")?;
         let index = self.output.join("index.html");
         output::write_file(&index, |file| Ok(file.write_all(page.as_bytes())?))?;
-        let data = serde_json::json!({ "version": 1, "models": rows, "device": device, "scenes": reports });
+        let data = serde_json::json!({ "version": 1, "models": rows, "device": device, "analyses": analyses, "scenes": reports });
         let json = serde_json::to_string_pretty(&data)?;
         output::write_file(&self.output.join("report.json"), |file| Ok(writeln!(file, "{json}")?))?;
         if self.json {
@@ -93,7 +98,7 @@ impl Report {
         }
         match Device::open(&OpenOptions { adapter: self.adapter.clone(), ..OpenOptions::default() }) {
             Ok(device) => {
-                let bar = progress(scenes.len(), "drawing")?;
+                let bar = progress(scenes.len(), "drawing scenes")?;
                 let report = report::device::draw(&device, scenes, &|| bar.inc(1));
                 bar.finish_and_clear();
                 Ok(DeviceSection::Run(report))
@@ -101,6 +106,17 @@ impl Report {
             Err(error) if self.adapter.is_some() => Err(error.into()),
             Err(error) => Ok(DeviceSection::NotRun { reason: error.to_string() }),
         }
+    }
+
+    fn analyses(&self, models: &[&dyn NumericModel]) -> Result<Vec<Section>, Failure> {
+        if !self.scenes.is_empty() && !self.analyses {
+            return Ok(Vec::new());
+        }
+        let bar = progress(section::COUNT, "analysing")?;
+        bar.tick();
+        let sections = section::all(models, &|| bar.inc(1))?;
+        bar.finish_and_clear();
+        Ok(sections)
     }
 
     /// The models, `exact` first.

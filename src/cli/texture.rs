@@ -7,10 +7,9 @@ use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{Failure, Outcome, output};
-use crate::analysis::texture::{
-    self, AlphaRow, ImageReport, Options, PipelineReport, Source, Space, composite::Background,
-};
+use crate::analysis::texture::{self, AlphaRow, ImageReport, Options, PipelineReport, Source, Space};
 use crate::model::{NumericModel, registry};
+use crate::report::section::texture::storages;
 
 /// Arguments of `texture`.
 #[derive(Debug, Args)]
@@ -111,8 +110,7 @@ impl Texture {
             report.translucent
         );
         let _ = writeln!(text, "{}\n", report.verdict);
-        text.push_str("Colors made straight again, in codes of 8 bits; the image drawn once: the smallest PSNR\n");
-        text.push_str(&storages(report));
+        text.push_str(&output::text(&storages(report)));
         let _ = writeln!(
             text,
             "\n8-bit premultiplied: {:.2} of 24 color bits lost per texel; channels by error in codes:{}",
@@ -179,34 +177,6 @@ fn eight(report: &ImageReport) -> &PipelineReport {
     use texture::pipeline::Pipeline;
     let found = report.pipelines.iter().find(|row| row.pipeline == Pipeline::Premultiplied8);
     found.expect("every pipeline is measured")
-}
-
-/// A row a storage; a column a background for the model that does worst there.
-fn storages(report: &ImageReport) -> String {
-    let backgrounds = Background::ALL.map(|background| format!("over {}", background.name()));
-    let fixed = ["storage", "worst", "mean", "texels changed"];
-    let mut table = output::table(fixed.into_iter().chain(backgrounds.iter().map(String::as_str)));
-    for row in &report.pipelines {
-        let cells = [
-            row.pipeline.name().to_owned(),
-            format!("{:.2}", row.worst),
-            format!("{:.3}", row.mean),
-            format!("{:.2} %", 100.0 * row.texels_changed),
-        ];
-        let drawn = Background::ALL.map(|background| psnr(row, background));
-        table.add_row(cells.into_iter().chain(drawn));
-    }
-    output::lines(&table)
-}
-
-/// The smallest PSNR over the models and the model that has it.
-fn psnr(row: &PipelineReport, background: Background) -> String {
-    let over = row.composites.iter().filter(|composite| composite.background == background);
-    let lossy = over.filter_map(|composite| composite.psnr.map(|psnr| (psnr, composite)));
-    match lossy.min_by(|(a, _), (b, _)| a.total_cmp(b)) {
-        None => "exact".to_owned(),
-        Some((psnr, composite)) => format!("{psnr:.1} dB {}", composite.model),
-    }
 }
 
 /// ` 0: 81.2 %, 1: 12 %, 2-3: ...` in growing classes.

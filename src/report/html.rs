@@ -6,6 +6,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::device::{self, DeviceSection};
 use super::difference::LEGEND;
+use super::section::{Section, page};
 use super::{ModelReport, ModelSummary, ReferenceReport, SceneReport};
 use crate::scene::Picture;
 use crate::scene::queue::RenderQueue;
@@ -16,14 +17,17 @@ const STYLE: &str = include_str!("style.css");
 /// The whole page.
 ///
 /// # Errors
-/// When a picture cannot be encoded as PNG.
+/// When a picture cannot be encoded as PNG, or a chart not be drawn.
 pub fn page(
     scenes: &[SceneReport],
     rows: &[ModelSummary],
     device: &DeviceSection,
+    analyses: &[Section],
     command: &str,
-) -> Result<String, image::ImageError> {
+) -> Result<String, Box<dyn std::error::Error>> {
     let device = device::page::section(device)?;
+    let analyses = analyses.iter().map(|section| Ok((section, page::section(section)?)));
+    let analyses = analyses.collect::<Result<Vec<_>, Box<dyn std::error::Error>>>()?;
     let groups = scenes.chunk_by(|a, b| a.technique == b.technique);
     let sections = groups.map(group).collect::<Result<Vec<_>, _>>()?;
     let markup = html! {
@@ -48,6 +52,11 @@ pub fn page(
                         (summary(rows))
                         p.note { "Errors are in codes of the target: integers stored for normalised formats, representable \
                                   numbers for floats. Times are of the reference merger on this machine." }
+                    }
+                    @if !analyses.is_empty() {
+                        nav { @for (section, _) in &analyses { a href={"#" (section.id)} { (section.title) } } }
+                        @for (_, markup) in &analyses { (markup) }
+                        h2 { "Scenes" }
                     }
                     nav { @for scene in scenes { a href={"#" (scene.name)} { (scene.title) } } }
                     (legend())

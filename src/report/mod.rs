@@ -8,6 +8,7 @@ pub mod difference;
 pub mod gallery;
 pub mod html;
 pub mod plot;
+pub mod section;
 
 use std::time::Duration;
 
