@@ -6,6 +6,9 @@ use plotters::prelude::*;
 /// Width and height of a chart in pixels.
 const SIZE: (u32, u32) = (760, 420);
 
+/// Width of the legend beside it.
+const LEGEND_WIDTH: u32 = 190;
+
 /// Colors that people with any color vision tell apart (Okabe and Ito).
 const PALETTE: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
@@ -98,8 +101,11 @@ impl Axis {
         }
         match self.scale {
             Scale::Linear => low - 0.02 * (high - low)..high + 0.02 * (high - low) + f64::MIN_POSITIVE,
-            // At least a decade.
-            Scale::Logarithmic => low / 1.2..high.max(low * 8.0) * 1.3,
+            // Whole decades, at least one, so that there are ticks to read.
+            Scale::Logarithmic => {
+                let (low, high) = (low.log10().floor(), high.log10().ceil());
+                10_f64.powf(low)..10_f64.powf(high.max(low + 1.0))
+            }
         }
     }
 }
@@ -134,9 +140,9 @@ where
 {
     let root = SVGBackend::with_string(text, SIZE).into_drawing_area();
     root.fill(&WHITE).map_err(boxed)?;
-    let mut area = ChartBuilder::on(&root)
+    let (plot, legend) = root.split_horizontally(SIZE.0 - LEGEND_WIDTH);
+    let mut area = ChartBuilder::on(&plot)
         .margin(12)
-        .margin_right(24)
         .x_label_area_size(44)
         .y_label_area_size(72)
         .build_cartesian_2d(x, y)
@@ -163,24 +169,26 @@ where
                 area.draw_series(points.iter().map(|point| Circle::new(*point, 7, color.stroke_width(2))))
             }
         };
-        drawn
-            .map_err(boxed)?
-            .label(series.name.as_str())
-            .legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 12, y + 5)], color.filled()));
+        drawn.map_err(boxed)?;
+        let y = 16 + 20 * i32::try_from(index).unwrap_or(0);
+        legend.draw(&Rectangle::new([(4, y), (16, y + 12)], color.filled())).map_err(boxed)?;
+        legend.draw(&Text::new(series.name.clone(), (22, y), ("sans-serif", 12).into_font())).map_err(boxed)?;
     }
-    area.configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
-        .background_style(WHITE.mix(0.85))
-        .border_style(BLACK.mix(0.2))
-        .draw()
-        .map_err(boxed)?;
     root.present().map_err(boxed)?;
     Ok(())
 }
 
-/// Powers of ten as people write them.
+/// A tick as people write it: at most three digits.
 fn number(x: &f64) -> String {
-    if (1e-3..1e5).contains(x) { format!("{x}") } else { format!("{x:e}") }
+    let (mantissa, exponent) = match format!("{x:.2e}").split_once('e') {
+        Some((mantissa, exponent)) => (mantissa.to_owned(), exponent.parse::<i32>().unwrap_or(0)),
+        None => return x.to_string(),
+    };
+    if (-3..5).contains(&exponent) {
+        let text = format!("{x:.5}");
+        return text.trim_end_matches('0').trim_end_matches('.').to_owned();
+    }
+    format!("{}e{exponent}", mantissa.trim_end_matches('0').trim_end_matches('.'))
 }
 
 fn boxed<E: std::error::Error + Send + Sync>(error: DrawingAreaErrorKind<E>) -> Box<dyn std::error::Error> {
@@ -202,6 +210,13 @@ mod tests {
         assert!(svg.starts_with("<svg"), "an element: {}", &svg[..40.min(svg.len())]);
         assert_eq!(svg.matches("<circle").count(), 2, "a ring a finite point");
         assert!(svg.contains("a &lt; b"), "names are escaped");
+    }
+
+    #[test]
+    fn ticks_are_short() {
+        for (x, text) in [(1e-6_f64.next_up(), "1e-6"), (0.1, "0.1"), (1000.0, "1000"), (2.5e7, "2.5e7"), (0.0, "0")] {
+            assert_eq!(number(&x), text, "{x}");
+        }
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //!
 //! Golden texts are in `tests/golden`; see [`golden`].
 
+mod analysis;
 mod explain;
 mod golden;
 mod scenes;

@@ -18,12 +18,21 @@ pub fn section(section: &Section) -> Result<Markup, super::Failure> {
         section #(section.id) {
             h2 { (section.title) }
             p.finding { (section.finding) }
-            p { (section.method) }
+            p { (prose(&section.method)) }
             div.charts { @for figure in &figures { (figure) } }
             @for table in &section.tables { (folded(table)) }
             p.command { "In full: " code { (section.command) } }
         }
     })
+}
+
+/// Text whose parts in backticks are code.
+fn prose(text: &str) -> Markup {
+    html! {
+        @for (i, part) in text.split('`').enumerate() {
+            @if i % 2 == 1 { code { (part) } } @else { (part) }
+        }
+    }
 }
 
 fn figure(figure: &Figure) -> Result<Markup, super::Failure> {
