@@ -94,7 +94,7 @@ pub struct Section {
 }
 
 /// Sections [`all`] makes: the number of calls of `done`.
-pub const COUNT: usize = 6;
+pub const COUNT: usize = 7;
 
 /// An analysis that failed.
 pub type Failure = Box<dyn std::error::Error>;
@@ -108,7 +108,8 @@ pub fn all(models: &[&dyn NumericModel], done: &dyn Fn()) -> Result<Vec<Section>
         &|| tradeoff::section(models),
         &|| fixpoint::section(models),
         &|| bound::section(),
-        &|| stability::section(models),
+        &|| stability::stack_section(models),
+        &|| stability::extreme_section(models),
         &|| stability::order_section(models),
         &|| texture::section(models),
     ];

@@ -33,7 +33,9 @@ fn cheap_sections_have_finding_picture_table_and_command() {
 fn order_and_stability_sections_have_finding_picture_table_and_command() {
     let (exact, single) = (Exact::default(), Binary32);
     let models: [&dyn NumericModel; 2] = [&exact, &single];
-    for section in [stability::section(&models), stability::order_section(&models)] {
+    for section in
+        [stability::stack_section(&models), stability::extreme_section(&models), stability::order_section(&models)]
+    {
         check(&section.expect("an analysis of fixed questions"));
     }
 }
