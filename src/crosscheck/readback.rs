@@ -250,7 +250,8 @@ impl Mapping {
         consume: impl FnOnce(&[u8]) -> T,
     ) -> Result<T, DeviceError> {
         device.finish(submission)?;
-        match self.outcome.try_recv() {
+        // Another thread's poll may have taken the callback and be about to run it.
+        match self.outcome.recv_timeout(device.timeout()) {
             Ok(Ok(())) => {}
             Ok(Err(error)) => return Err(DeviceError::Internal(error.to_string())),
             Err(_) => return Err(DeviceError::Internal("a finished submission left its buffer unmapped".to_owned())),

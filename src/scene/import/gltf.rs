@@ -38,6 +38,7 @@ pub fn load(path: &Path) -> Result<Model, ImportError> {
 /// # Errors
 /// [`ImportError`].
 pub fn parse(bytes: &[u8], path: &Path) -> Result<Model, ImportError> {
+    check_attributes(bytes, path)?;
     let file = gltf::Gltf::from_slice(bytes).map_err(|error| ImportError::content(path, error))?;
     let mut reader = Reader { path, buffers: Vec::new(), primitives: Vec::new(), model: Model::default() };
     for buffer in file.buffers() {
@@ -67,6 +68,25 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Model, ImportError> {
         reader.node(&node, DMat4::IDENTITY, 0)?;
     }
     Ok(reader.model)
+}
+
+/// The library looks up the accessor of positions before it has checked that there is one.
+fn check_attributes(bytes: &[u8], path: &Path) -> Result<(), ImportError> {
+    let json = match gltf::Glb::from_slice(bytes) {
+        Ok(glb) => glb.json,
+        Err(_) => bytes.into(),
+    };
+    // Other faults are the library's to report.
+    let Ok(root) = gltf::json::Root::from_slice(&json) else { return Ok(()) };
+    for (mesh, primitive) in
+        root.meshes.iter().enumerate().flat_map(|(i, mesh)| mesh.primitives.iter().map(move |p| (i, p)))
+    {
+        if let Some(index) = primitive.attributes.values().find(|index| index.value() >= root.accessors.len()) {
+            let count = root.accessors.len();
+            return Err(ImportError::content(path, format!("mesh {mesh} names accessor {index} of {count}")));
+        }
+    }
+    Ok(())
 }
 
 /// A file being read.
