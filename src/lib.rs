@@ -34,6 +34,9 @@ pub mod crosscheck;
 #[cfg(feature = "gpu")]
 pub mod conform;
 
+#[cfg(feature = "proptest")]
+pub mod proptest;
+
 #[cfg(feature = "cli")]
 pub mod cli;
 
