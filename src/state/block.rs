@@ -1,8 +1,8 @@
 //! A state block: the render state a scene's pass or a `--state` text names, before formats are known.
 
 use wgpu_types::{
-    BlendState, ColorTargetState, ColorWrites, CompareFunction, DepthBiasState, DepthStencilState, Face, StencilState,
-    TextureFormat,
+    BlendFactor, BlendOperation, BlendState, ColorTargetState, ColorWrites, CompareFunction, DepthBiasState,
+    DepthStencilState, Face, StencilState, TextureFormat,
 };
 
 use super::{AlphaTest, MAX_COLOR_TARGETS, MergerState};
@@ -55,10 +55,22 @@ impl StateBlock {
         Self { blend: [blend; MAX_COLOR_TARGETS], ..Self::default() }
     }
 
-    /// The value of a tag.
+    /// The value of a tag; names of tags are compared without case, as in Unity.
     #[must_use]
     pub fn tag(&self, name: &str) -> Option<&str> {
-        self.tags.iter().find(|(key, _)| key == name).map(|(_, value)| value.as_str())
+        self.tags.iter().find(|(key, _)| key.eq_ignore_ascii_case(name)).map(|(_, value)| value.as_str())
+    }
+
+    /// Sets the factors of min and max to one: every API ignores them there, and WebGPU accepts no others.
+    pub fn ignore_extreme_factors(&mut self) {
+        for blend in self.blend.iter_mut().flatten() {
+            for component in [&mut blend.color, &mut blend.alpha] {
+                if matches!(component.operation, BlendOperation::Min | BlendOperation::Max) {
+                    component.src_factor = BlendFactor::One;
+                    component.dst_factor = BlendFactor::One;
+                }
+            }
+        }
     }
 
     /// The merger state for targets of these formats.

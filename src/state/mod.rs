@@ -8,6 +8,8 @@ pub mod block;
 pub mod preset;
 pub mod shaderlab;
 pub mod spelling;
+#[cfg(test)]
+mod strategy;
 pub mod text;
 pub mod validate;
 #[cfg(feature = "json")]

@@ -1,12 +1,11 @@
 //! The state commands, one function each.
 
-use wgpu_types::{
-    BlendComponent, BlendOperation, BlendState, ColorWrites, CompareFunction, DepthBiasState, Face, StencilFaceState,
-    StencilOperation, StencilState,
-};
+use wgpu_types::{ColorWrites, CompareFunction, DepthBiasState, Face};
 
+use super::draft::Draft;
+use super::lexer::Kind;
 use super::parser::{Parser, error};
-use super::property::{BLEND_MODES, BLEND_OPERATIONS, COMPARE_FUNCTIONS, CULL_MODES, STENCIL_OPERATIONS, SWITCHES};
+use super::property::{BLEND_MODES, BLEND_OPERATIONS, COMPARE_FUNCTIONS, CULL_MODES, SWITCHES};
 use super::{Position, ShaderLabError};
 use crate::state::block::{StateBlock, queue_number};
 use crate::state::{AlphaTest, MAX_COLOR_TARGETS, spelling};
@@ -14,34 +13,97 @@ use crate::state::{AlphaTest, MAX_COLOR_TARGETS, spelling};
 type Result<T> = std::result::Result<T, ShaderLabError>;
 
 /// The commands there are, for the message about an unknown one.
-const COMMANDS: &str =
-    "Blend, BlendOp, ZWrite, ZTest, ColorMask, Cull, Offset, AlphaTest, Stencil, Tags, Pass, SubShader";
+const COMMANDS: [&str; 20] = [
+    "Blend",
+    "BlendOp",
+    "ZWrite",
+    "ZTest",
+    "ColorMask",
+    "Cull",
+    "Offset",
+    "AlphaTest",
+    "Stencil",
+    "Tags",
+    "Pass",
+    "SubShader",
+    "Category",
+    "Properties",
+    "Name",
+    "LOD",
+    "Fallback",
+    "ZClip",
+    "AlphaToMask",
+    "Lighting",
+];
 
-/// Reads one command's arguments into `state`.
-pub(super) fn command(parser: &mut Parser<'_>, word: &str, at: Position, state: &mut StateBlock) -> Result<()> {
-    match word {
-        "Blend" => blend(parser, state),
-        "BlendOp" => blend_operation(parser, state),
-        "ZWrite" => {
+/// Tags a block may have; a bound for malformed input.
+const MAX_TAGS: usize = 64;
+
+/// Reads one command's arguments into `draft`.
+pub(super) fn command(parser: &mut Parser<'_>, word: &str, at: Position, draft: &mut Draft) -> Result<()> {
+    let state = &mut draft.block;
+    match word.to_ascii_lowercase().as_str() {
+        "blend" => blend(parser, draft),
+        "blendop" => blend_operation(parser, draft),
+        "zwrite" => {
             state.depth_write = switch(parser, "ZWrite")?;
             Ok(())
         }
-        "ZTest" => {
+        "ztest" => {
             // `ZTest Off` and the number 0 turn the test off, which always passes.
             state.depth_compare = comparison(parser, "a comparison")?.unwrap_or(CompareFunction::Always);
             Ok(())
         }
-        "ColorMask" => color_mask(parser, state),
-        "Cull" => cull(parser, state),
-        "Offset" => offset(parser, state),
-        "AlphaTest" => alpha_test(parser, state),
-        "Stencil" => stencil(parser, state),
-        "Tags" => tags(parser, state),
-        "Lighting" | "ZClip" | "AlphaToMask" | "Conservative" | "Fog" | "SetTexture" | "Material" => {
-            Err(error(at, format!("`{word}` is ShaderLab, but no part of the state outmerge models; remove it")))
+        "colormask" => color_mask(parser, state),
+        "cull" => cull(parser, state),
+        "offset" => offset(parser, state),
+        "alphatest" => alpha_test(parser, state),
+        "stencil" => super::stencil::stencil(parser, at, state),
+        "tags" => tags(parser, at, state),
+        "zclip" => neutral(parser, word, &["True", "On"]),
+        "alphatomask" | "lighting" | "separatespecular" => neutral(parser, word, &["Off"]),
+        "conservative" => neutral(parser, word, &["False", "Off"]),
+        "fog" => {
+            parser.mark('{')?;
+            let at = parser.at();
+            if !parser.accept_word("Mode") {
+                return Err(error(at, "outmerge has no fog; write `Fog { Mode Off }`, or leave it out"));
+            }
+            neutral(parser, "Fog { Mode", &["Off"])?;
+            parser.mark('}')
         }
-        _ => Err(error(at, format!("unknown command `{word}`; known are {COMMANDS}"))),
+        "settexture" | "material" | "color" | "colormaterial" | "bindchannels" => Err(error(
+            at,
+            format!("`{word}` belongs to fixed-function shading, which outmerge leaves to the caller; remove it"),
+        )),
+        _ => Err(error(at, unknown(word))),
     }
+}
+
+fn unknown(word: &str) -> String {
+    let nearest = COMMANDS
+        .iter()
+        .map(|known| (spelling::distance(&known.to_ascii_lowercase(), &word.to_ascii_lowercase()), *known))
+        .min();
+    let hint = match nearest {
+        Some((steps, near)) if 3 * steps <= word.chars().count() => format!("; did you mean `{near}`?"),
+        _ => String::new(),
+    };
+    let word: String = word.chars().take(60).collect();
+    format!("unknown command `{word}`{hint}; known are {}", COMMANDS.join(", "))
+}
+
+/// A command that is no part of the state modelled, accepted where it says the default.
+fn neutral(parser: &mut Parser<'_>, command: &str, defaults: &[&str]) -> Result<()> {
+    let at = parser.at();
+    if defaults.iter().any(|word| parser.accept_word(word)) {
+        return Ok(());
+    }
+    let default = defaults[0];
+    Err(error(
+        at,
+        format!("`{command}` is no part of the state outmerge models; write `{command} {default}`, or remove it"),
+    ))
 }
 
 /// A leading target index, if the next word is one: the targets a command is for.
@@ -50,7 +112,7 @@ fn target_range(parser: &mut Parser<'_>) -> Result<std::ops::Range<usize>> {
     match parser.peek_word().and_then(|word| word.parse::<usize>().ok()) {
         None => Ok(0..MAX_COLOR_TARGETS),
         Some(index) if index < MAX_COLOR_TARGETS => {
-            parser.skip();
+            parser.take();
             Ok(index..index + 1)
         }
         Some(index) => {
@@ -59,29 +121,21 @@ fn target_range(parser: &mut Parser<'_>) -> Result<std::ops::Range<usize>> {
     }
 }
 
-/// `Blend Off`, `Blend [target] A B`, `Blend [target] A B, C D`.
-fn blend(parser: &mut Parser<'_>, state: &mut StateBlock) -> Result<()> {
+/// `Blend [target] Off`, `Blend [target] A B`, `Blend [target] A B, C D`.
+fn blend(parser: &mut Parser<'_>, draft: &mut Draft) -> Result<()> {
     let targets = target_range(parser)?;
-    if parser.peek_word() == Some("Off") {
-        parser.skip();
-        state.blend[targets].fill(None);
+    if parser.accept_word("Off") {
+        draft.factors[targets].fill(None);
         return Ok(());
     }
     let color = (factor(parser)?, factor(parser)?);
     let alpha = if parser.accept(',') { (factor(parser)?, factor(parser)?) } else { color };
-    for target in &mut state.blend[targets] {
-        let old = target.unwrap_or(BlendState::REPLACE);
-        *target = Some(BlendState {
-            color: BlendComponent { src_factor: color.0, dst_factor: color.1, operation: old.color.operation },
-            alpha: BlendComponent { src_factor: alpha.0, dst_factor: alpha.1, operation: old.alpha.operation },
-        });
-    }
-    normalise_extremes(state);
+    draft.factors[targets].fill(Some((color, alpha)));
     Ok(())
 }
 
-/// `BlendOp [target] X`, `BlendOp [target] X, Y`. Without a `Blend` it blends with factors one and zero.
-fn blend_operation(parser: &mut Parser<'_>, state: &mut StateBlock) -> Result<()> {
+/// `BlendOp [target] X`, `BlendOp [target] X, Y`.
+fn blend_operation(parser: &mut Parser<'_>, draft: &mut Draft) -> Result<()> {
     let targets = target_range(parser)?;
     let operation = |parser: &mut Parser<'_>| {
         let (name, at) = parser.name("a blend operation", &BLEND_OPERATIONS)?;
@@ -89,26 +143,8 @@ fn blend_operation(parser: &mut Parser<'_>, state: &mut StateBlock) -> Result<()
     };
     let color = operation(parser)?;
     let alpha = if parser.accept(',') { operation(parser)? } else { color };
-    for target in &mut state.blend[targets] {
-        let mut blend = target.unwrap_or(BlendState::REPLACE);
-        blend.color.operation = color;
-        blend.alpha.operation = alpha;
-        *target = Some(blend);
-    }
-    normalise_extremes(state);
+    draft.operations[targets].fill((color, alpha));
     Ok(())
-}
-
-/// Min and max ignore factors; WebGPU wants them to be one.
-fn normalise_extremes(state: &mut StateBlock) {
-    for blend in state.blend.iter_mut().flatten() {
-        for component in [&mut blend.color, &mut blend.alpha] {
-            if matches!(component.operation, BlendOperation::Min | BlendOperation::Max) {
-                component.src_factor = wgpu_types::BlendFactor::One;
-                component.dst_factor = wgpu_types::BlendFactor::One;
-            }
-        }
-    }
 }
 
 fn factor(parser: &mut Parser<'_>) -> Result<wgpu_types::BlendFactor> {
@@ -121,12 +157,12 @@ fn switch(parser: &mut Parser<'_>, what: &str) -> Result<bool> {
     match name.to_ascii_lowercase().as_str() {
         "on" => Ok(true),
         "off" => Ok(false),
-        _ => Err(error(at, format!("`{what} {name}`: write On or Off"))),
+        _ => Err(error(at, format!("`{what} {}`: write On or Off", cut(&name)))),
     }
 }
 
 /// A comparison; `None` for Off.
-fn comparison(parser: &mut Parser<'_>, what: &str) -> Result<Option<CompareFunction>> {
+pub(super) fn comparison(parser: &mut Parser<'_>, what: &str) -> Result<Option<CompareFunction>> {
     let (name, at) = parser.name(what, &COMPARE_FUNCTIONS)?;
     if name.eq_ignore_ascii_case("off") || name.eq_ignore_ascii_case("disabled") {
         return Ok(None);
@@ -146,7 +182,9 @@ fn color_mask(parser: &mut Parser<'_>, state: &mut StateBlock) -> Result<()> {
             'G' => ColorWrites::GREEN,
             'B' => ColorWrites::BLUE,
             'A' => ColorWrites::ALPHA,
-            _ => return Err(error(at, format!("`ColorMask {name}`: write 0, or letters out of R, G, B, A"))),
+            _ => {
+                return Err(error(at, format!("`ColorMask {}`: write 0, or letters out of R, G, B, A", cut(&name))));
+            }
         };
     }
     let targets = target_range(parser)?;
@@ -160,24 +198,29 @@ fn cull(parser: &mut Parser<'_>, state: &mut StateBlock) -> Result<()> {
         "off" => None,
         "front" => Some(Face::Front),
         "back" => Some(Face::Back),
-        _ => return Err(error(at, format!("`Cull {name}`: write Back, Front or Off"))),
+        _ => return Err(error(at, format!("`Cull {}`: write Back, Front or Off", cut(&name)))),
     };
     Ok(())
 }
 
 /// `Offset factor, units`: slope scale and constant of the depth bias.
 fn offset(parser: &mut Parser<'_>, state: &mut StateBlock) -> Result<()> {
-    let slope = parser.number("the offset's factor")?;
+    let slope_scale = parser.number_f32("the offset's factor")?;
     parser.mark(',')?;
     let at = parser.at();
     let units = parser.number("the offset's units")?;
-    if units.fract() != 0.0 || units.abs() > f64::from(i32::MAX) {
-        return Err(error(at, format!("the offset's units are {units}; WebGPU's depth bias is a whole number")));
-    }
-    #[expect(clippy::cast_possible_truncation, reason = "whole and within i32, as just checked; the slope is an f32")]
-    let (constant, slope_scale) = (units as i32, slope as f32);
+    let constant = f64_to_i32(units).ok_or_else(|| {
+        error(at, format!("the offset's units are {units}; WebGPU's depth bias is a whole number of 32 bits"))
+    })?;
     state.depth_bias = DepthBiasState { constant, slope_scale, clamp: 0.0 };
     Ok(())
+}
+
+/// A whole number in the range of `i32`.
+#[expect(clippy::cast_possible_truncation, reason = "checked to be whole and in range")]
+fn f64_to_i32(x: f64) -> Option<i32> {
+    let fits = x.fract() == 0.0 && x >= f64::from(i32::MIN) && x <= f64::from(i32::MAX);
+    fits.then_some(x as i32)
 }
 
 /// `AlphaTest Off`, `AlphaTest Greater 0.5`, `AlphaTest Greater [_Cutoff]`.
@@ -185,131 +228,46 @@ fn alpha_test(parser: &mut Parser<'_>, state: &mut StateBlock) -> Result<()> {
     state.alpha_test = match comparison(parser, "a comparison or Off")? {
         None => AlphaTest::Off,
         // Always and Never may stand without a reference.
-        Some(compare @ (CompareFunction::Always | CompareFunction::Never))
-            if parser.peek_word().is_none_or(|word| word.parse::<f64>().is_err()) =>
-        {
+        Some(compare @ (CompareFunction::Always | CompareFunction::Never)) if !number_follows(parser) => {
             AlphaTest::On { compare, reference: 0.0 }
         }
-        Some(compare) => {
-            let reference = parser.number("the alpha test's reference value")?;
-            #[expect(clippy::cast_possible_truncation, reason = "references are f32")]
-            let reference = reference as f32;
-            AlphaTest::On { compare, reference }
-        }
+        Some(compare) => AlphaTest::On { compare, reference: parser.number_f32("the alpha test's reference value")? },
     };
     Ok(())
 }
 
-/// `Stencil { Ref 1 ReadMask 255 WriteMask 255 Comp Equal Pass Keep Fail Keep ZFail Keep }`, with `Front`/`Back` forms.
-fn stencil(parser: &mut Parser<'_>, state: &mut StateBlock) -> Result<()> {
-    let start = parser.at();
-    parser.mark('{')?;
-    let mut stencil = StencilState {
-        front: StencilFaceState::IGNORE,
-        back: StencilFaceState::IGNORE,
-        read_mask: 255,
-        write_mask: 255,
-    };
-    let mut reference = 0;
-    while !parser.accept('}') {
-        let at = parser.at();
-        let Some(word) = parser.peek_word().map(str::to_owned) else {
-            return Err(error(start, "this Stencil block is never closed with `}`"));
-        };
-        parser.skip();
-        match word.as_str() {
-            "Ref" => reference = byte(parser)?,
-            "ReadMask" => stencil.read_mask = byte(parser)?,
-            "WriteMask" => stencil.write_mask = byte(parser)?,
-            _ => {
-                let (command, front, back) = if let Some(command) = word.strip_suffix("Front") {
-                    (command, true, false)
-                } else if let Some(command) = word.strip_suffix("Back") {
-                    (command, false, true)
-                } else {
-                    (word.as_str(), true, true)
-                };
-                let mut set = |change: &dyn Fn(&mut StencilFaceState)| {
-                    if front {
-                        change(&mut stencil.front);
-                    }
-                    if back {
-                        change(&mut stencil.back);
-                    }
-                };
-                match command {
-                    "Comp" => {
-                        let compare = comparison(parser, "a comparison")?.unwrap_or(CompareFunction::Always);
-                        set(&|face| face.compare = compare);
-                    }
-                    "Pass" => {
-                        let operation = stencil_operation(parser)?;
-                        set(&|face| face.pass_op = operation);
-                    }
-                    "Fail" => {
-                        let operation = stencil_operation(parser)?;
-                        set(&|face| face.fail_op = operation);
-                    }
-                    "ZFail" => {
-                        let operation = stencil_operation(parser)?;
-                        set(&|face| face.depth_fail_op = operation);
-                    }
-                    _ => {
-                        return Err(error(
-                            at,
-                            format!(
-                                "unknown stencil command `{word}`; known are Ref, ReadMask, WriteMask, Comp, Pass, Fail, \
-                                 ZFail, each of the last four also with Front or Back"
-                            ),
-                        ));
-                    }
-                }
-            }
-        }
+fn number_follows(parser: &Parser<'_>) -> bool {
+    match parser.peek() {
+        Some(Kind::Word(word)) => word.parse::<f64>().is_ok(),
+        Some(Kind::Property(_)) => true,
+        _ => false,
     }
-    state.stencil = Some((stencil, reference));
-    Ok(())
-}
-
-fn byte(parser: &mut Parser<'_>) -> Result<u32> {
-    let at = parser.at();
-    let number = parser.number("a number from 0 to 255")?;
-    (0..=255_u32)
-        .find(|i| f64::from(*i) == number)
-        .ok_or_else(|| error(at, format!("{number} is not a whole number from 0 to 255")))
-}
-
-fn stencil_operation(parser: &mut Parser<'_>) -> Result<StencilOperation> {
-    let (name, at) = parser.name("a stencil operation", &STENCIL_OPERATIONS)?;
-    Ok(match name.to_ascii_lowercase().as_str() {
-        "keep" => StencilOperation::Keep,
-        "zero" => StencilOperation::Zero,
-        "replace" => StencilOperation::Replace,
-        "incrsat" | "increment-clamp" => StencilOperation::IncrementClamp,
-        "decrsat" | "decrement-clamp" => StencilOperation::DecrementClamp,
-        "invert" => StencilOperation::Invert,
-        "incrwrap" | "increment-wrap" => StencilOperation::IncrementWrap,
-        "decrwrap" | "decrement-wrap" => StencilOperation::DecrementWrap,
-        _ => {
-            let known = STENCIL_OPERATIONS.join(", ");
-            return Err(error(at, format!("unknown stencil operation `{name}`; known are {known}")));
-        }
-    })
 }
 
 /// `Tags { "Queue" = "Transparent" "RenderType" = "Transparent" }`; a queue must be one.
-fn tags(parser: &mut Parser<'_>, state: &mut StateBlock) -> Result<()> {
+fn tags(parser: &mut Parser<'_>, opened: Position, state: &mut StateBlock) -> Result<()> {
     parser.mark('{')?;
     while !parser.accept('}') {
+        if parser.peek().is_none() {
+            return Err(error(opened, "this Tags block is never closed with `}`"));
+        }
         let key = parser.text("a tag's name, or `}`,")?;
         parser.mark('=')?;
         let at = parser.at();
         let value = parser.text("the tag's value")?;
-        if key == "Queue" {
+        if key.eq_ignore_ascii_case("Queue") {
             queue_number(&value).map_err(|e| error(at, e.to_string()))?;
         }
-        state.tags.retain(|(known, _)| *known != key);
+        state.tags.retain(|(known, _)| !known.eq_ignore_ascii_case(&key));
+        if state.tags.len() == MAX_TAGS {
+            return Err(error(at, format!("more than {MAX_TAGS} tags")));
+        }
         state.tags.push((key, value));
     }
     Ok(())
+}
+
+/// The beginning of a name that may be of any length.
+fn cut(name: &str) -> String {
+    name.chars().take(60).collect()
 }

@@ -31,8 +31,10 @@ const PROGRAMS: [(&str, &str); 5] = [
     ("GLSLPROGRAM", "ENDGLSL"),
 ];
 
-/// Splits a text into tokens; comments and shader programs are left out.
-pub(super) fn tokens(text: &str) -> Result<Vec<Token>, ShaderLabError> {
+/// Splits a text into tokens, and tells where it ends; comments and shader programs are left out.
+pub(super) fn tokens(text: &str) -> Result<(Vec<Token>, Position), ShaderLabError> {
+    // Unity's own shader files begin with a byte-order mark now and then.
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut cursor = Cursor { rest: text, at: Position { line: 1, column: 1 } };
     let mut out = Vec::new();
     while let Some(c) = cursor.peek() {
@@ -80,7 +82,7 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Token>, ShaderLabError> {
             _ => return Err(error(&format!("unexpected character `{}`", c.escape_default()))),
         }
     }
-    Ok(out)
+    Ok((out, cursor.at))
 }
 
 fn is_word(c: char) -> bool {

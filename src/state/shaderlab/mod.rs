@@ -2,12 +2,18 @@
 //!
 //! `Blend`, `BlendOp`, `ZWrite`, `ZTest`, `ColorMask`, `Cull`, `Offset`, `AlphaTest`, `Stencil` and `Tags` are read;
 //! `[_Property]` references take the values given, or a `Properties` block's defaults; shader programs are skipped;
-//! anything unknown is an error with line and column. Blend factors are understood in any API's spelling.
+//! anything unknown is an error with line and column. Names are read in any case, and blend factors, operations and
+//! comparisons in any API's spelling. Source: Unity manual, *ShaderLab commands*.
+//!
+//! Two readings that are not obvious: `Blend A B` uses A and B for alpha too, and `BlendOp` does nothing where no
+//! `Blend` turns blending on. Without a target index a command is for all targets.
 
 mod commands;
+mod draft;
 mod lexer;
 mod parser;
 mod property;
+mod stencil;
 #[cfg(test)]
 mod tests;
 
@@ -39,7 +45,9 @@ pub struct ShaderLabError {
 pub struct Pass {
     /// The `Name` command's value.
     pub name: Option<String>,
-    /// The state, inherited from `SubShader` where the pass says nothing.
+    /// Which `SubShader` it is of, from 0. Unity draws with the first one that the GPU supports, not with all.
+    pub sub_shader: usize,
+    /// The state, inherited from `Category` and `SubShader` where the pass says nothing.
     pub state: StateBlock,
 }
 

@@ -1,6 +1,10 @@
-//! Values of `[_Property]` references: numbers as Unity's enums number them, or names.
+//! Values of `[_Property]` references: numbers as Unity's enums number them, or names; and the `Properties` block.
 
 use std::collections::BTreeMap;
+
+use super::lexer::Kind;
+use super::parser::{Parser, error};
+use super::{Position, ShaderLabError};
 
 /// A property's value.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +17,56 @@ pub enum PropertyValue {
 
 /// Property values by name, with the leading underscore.
 pub type Properties = BTreeMap<String, PropertyValue>;
+
+/// `Properties { [Attribute] _Name ("Label", Type) = default ... }`: the defaults that are numbers.
+pub(super) fn property_block(parser: &mut Parser<'_>, opened: Position) -> Result<Properties, ShaderLabError> {
+    let mut defaults = Properties::new();
+    parser.mark('{')?;
+    while !parser.accept('}') {
+        let at = parser.at();
+        let name = match parser.take().map(|token| token.kind) {
+            // An attribute, `[HDR]` or `[Enum(Off,0,On,1)]`.
+            Some(Kind::Property(_)) => continue,
+            Some(Kind::Word(name)) => name,
+            Some(_) => return Err(error(at, "expected a property's name, an [Attribute] or `}`")),
+            None => return Err(error(opened, "this Properties block is never closed with `}`")),
+        };
+        parser.mark('(')?;
+        skip_parentheses(parser, at)?;
+        parser.mark('=')?;
+        match parser.peek() {
+            Some(Kind::Text(_)) => {
+                parser.take();
+                if parser.peek() == Some(&Kind::Mark('{')) {
+                    parser.skip_block(at)?;
+                }
+            }
+            Some(Kind::Mark('(')) => {
+                parser.take();
+                skip_parentheses(parser, at)?;
+            }
+            _ => {
+                let value = parser.number("the property's default")?;
+                defaults.insert(name, PropertyValue::Number(value));
+            }
+        }
+    }
+    Ok(defaults)
+}
+
+/// Passes over everything to the parenthesis that closes the one just read.
+fn skip_parentheses(parser: &mut Parser<'_>, opened: Position) -> Result<(), ShaderLabError> {
+    let mut depth = 1_usize;
+    while depth > 0 {
+        match parser.take().map(|token| token.kind) {
+            None => return Err(error(opened, "this property's parenthesis is never closed with `)`")),
+            Some(Kind::Mark('(')) => depth += 1,
+            Some(Kind::Mark(')')) => depth -= 1,
+            Some(_) => {}
+        }
+    }
+    Ok(())
+}
 
 /// `UnityEngine.Rendering.BlendMode`.
 pub(super) const BLEND_MODES: [&str; 11] = [
