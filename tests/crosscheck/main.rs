@@ -5,6 +5,7 @@
 #![cfg(feature = "gpu")]
 
 mod depth;
+mod depth_stencil;
 #[cfg(feature = "scene")]
 mod drawn;
 mod formats;
