@@ -49,7 +49,9 @@ pub fn component() -> impl Strategy<Value = BlendComponent> + Clone {
 }
 
 /// Factors from a strategy, with any operation.
-pub fn component_of(factors: impl Strategy<Value = BlendFactor> + Clone) -> impl Strategy<Value = BlendComponent> + Clone {
+pub fn component_of(
+    factors: impl Strategy<Value = BlendFactor> + Clone,
+) -> impl Strategy<Value = BlendComponent> + Clone {
     (factors.clone(), factors, operation()).prop_map(|(src_factor, dst_factor, operation)| BlendComponent {
         src_factor,
         dst_factor,
@@ -63,7 +65,9 @@ pub fn blend_state() -> impl Strategy<Value = BlendState> + Clone {
 }
 
 /// A blend state with factors from a strategy.
-pub fn blend_state_of(factors: impl Strategy<Value = BlendFactor> + Clone) -> impl Strategy<Value = BlendState> + Clone {
+pub fn blend_state_of(
+    factors: impl Strategy<Value = BlendFactor> + Clone,
+) -> impl Strategy<Value = BlendState> + Clone {
     let component = component_of(factors);
     prop_oneof![
         component.clone().prop_map(|both| BlendState { color: both, alpha: both }),
@@ -203,11 +207,7 @@ pub fn blending_state() -> BoxedStrategy<MergerState> {
     (format(), blend_state(), write_mask(), dynamic(constant()))
         .prop_map(|(format, blend, write_mask, dynamic)| MergerState {
             dynamic: DynamicState { blend_constant: dynamic.blend_constant, ..DynamicState::default() },
-            ..MergerState::single(ColorTargetState {
-                format: format.texture_format(),
-                blend: Some(blend),
-                write_mask,
-            })
+            ..MergerState::single(ColorTargetState { format: format.texture_format(), blend: Some(blend), write_mask })
         })
         .boxed()
 }

@@ -18,7 +18,8 @@ pub fn code(kind: ChannelKind) -> BoxedStrategy<u32> {
         ChannelKind::Absent => return Just(0).boxed(),
         _ => u32::MAX >> (32 - kind.bits()),
     };
-    let any_code = prop_oneof![2 => 0..=top, 1 => Just(top), 1 => Just(top / 2), 1 => Just(top / 2 + 1), 1 => 0..=3.min(top)];
+    let any_code =
+        prop_oneof![2 => 0..=top, 1 => Just(top), 1 => Just(top / 2), 1 => Just(top / 2 + 1), 1 => 0..=3.min(top)];
     match kind {
         ChannelKind::Float(layout) => prop_oneof![
             1 => number::dyadic().prop_map(move |x| layout.encode(f64::from(x), Rounding::NearestEven)),
@@ -99,8 +100,7 @@ pub fn depth_code(kind: DepthKind) -> BoxedStrategy<u32> {
 pub fn framebuffer(state: &MergerState, extent: Extent) -> BoxedStrategy<Framebuffer> {
     let empty = Framebuffer::for_state(extent, state).expect("strategies name formats of the right role");
     let total = extent.sample_total();
-    let texels: Vec<_> =
-        empty.colors.iter().flatten().map(|target| vec(codes(target.format()), total)).collect();
+    let texels: Vec<_> = empty.colors.iter().flatten().map(|target| vec(codes(target.format()), total)).collect();
     let depth_format = empty.depth_stencil.as_ref().map(crate::target::DepthStencilTarget::format);
     let depth = match depth_format.and_then(crate::format::DepthFormat::depth) {
         Some(kind) => vec(depth_code(kind), total).boxed(),
