@@ -41,6 +41,9 @@ fn stencil(framebuffer: &Framebuffer) -> &[u8] {
     framebuffer.depth_stencil.as_ref().expect("a stencil target").stencil()
 }
 
+/// What a comparison says of the fragment's code and the stored one.
+type Compare = fn(u32, u32) -> bool;
+
 #[test]
 fn depth_and_stencil_bytes_round_trip() {
     let Some(device) = device() else { return };
@@ -138,7 +141,7 @@ fn every_16_bit_depth_code_is_stored_by_its_value() {
 fn the_depth_test_compares_and_writes() {
     let Some(device) = device() else { return };
     use CompareFunction as C;
-    let compares: [(C, fn(u32, u32) -> bool); 8] = [
+    let compares: [(C, Compare); 8] = [
         (C::Never, |_, _| false),
         (C::Less, |new, old| new < old),
         (C::Equal, |new, old| new == old),
