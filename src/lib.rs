@@ -16,6 +16,8 @@ pub mod merger;
 
 pub mod model;
 
+pub mod plan;
+
 #[cfg(feature = "scene")]
 pub mod scene;
 

@@ -4,7 +4,7 @@
 //! written only when both pass. Sources: Vulkan, *Fragment Operations / Stencil Test, Depth Test*; D3D11.3 17.9-17.13.
 //! (WebGPU's algorithm text writes depth without asking the stencil test: a defect of the text, not followed here.)
 
-use wgpu_types::{DepthStencilState, StencilFaceState, StencilOperation};
+use wgpu_types::{DepthStencilState, StencilFaceState, StencilOperation, StencilState};
 
 use super::discard::compare;
 use crate::format::DepthFormat;
@@ -48,12 +48,8 @@ pub fn test(
     code: u32,
     stored: DepthStencil,
 ) -> Tested {
-    let reference = low_byte(reference);
     let face = if front_facing { &state.stencil.front } else { &state.stencil.back };
-    let stencil_passed = !format.has_stencil() || {
-        let mask = low_byte(state.stencil.read_mask);
-        compare(face.compare, &(reference & mask), &(stored.stencil & mask))
-    };
+    let stencil_passed = !format.has_stencil() || stencil_passes(&state.stencil, face, reference, stored.stencil);
     let depth_passed = format.depth().is_none_or(|kind| {
         let function = state.depth_compare.unwrap_or_default();
         match kind {
@@ -64,14 +60,33 @@ pub fn test(
 
     let mut after = stored;
     if format.has_stencil() {
-        let new = operate(choose(face, stencil_passed, depth_passed), stored.stencil, reference);
-        let mask = low_byte(state.stencil.write_mask);
-        after.stencil = (stored.stencil & !mask) | (new & mask);
+        after.stencil = stencil_after(&state.stencil, face, reference, stored.stencil, (stencil_passed, depth_passed));
     }
     if stencil_passed && depth_passed && format.depth().is_some() && state.depth_write_enabled == Some(true) {
         after.depth = code;
     }
     Tested { stencil_passed, depth_passed, stored: after }
+}
+
+/// The stencil test of one face.
+#[must_use]
+pub fn stencil_passes(state: &StencilState, face: &StencilFaceState, reference: u32, stored: u8) -> bool {
+    let mask = low_byte(state.read_mask);
+    compare(face.compare, &(low_byte(reference) & mask), &(stored & mask))
+}
+
+/// What the stencil holds afterwards, by the outcome of the stencil and the depth test.
+#[must_use]
+pub fn stencil_after(
+    state: &StencilState,
+    face: &StencilFaceState,
+    reference: u32,
+    stored: u8,
+    (stencil_passed, depth_passed): (bool, bool),
+) -> u8 {
+    let new = operate(choose(face, stencil_passed, depth_passed), stored, low_byte(reference));
+    let mask = low_byte(state.write_mask);
+    (stored & !mask) | (new & mask)
 }
 
 /// The operation the two outcomes select.

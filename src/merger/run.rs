@@ -71,10 +71,10 @@ pub struct Trace {
 /// The reference output merger for one state, model and set of formats.
 #[derive(Debug)]
 pub struct Merger<'a> {
-    state: &'a MergerState,
-    model: &'a dyn NumericModel,
-    colors: Vec<Option<(&'a ColorTargetState, ColorFormat)>>,
-    depth: Option<DepthFormat>,
+    pub(crate) state: &'a MergerState,
+    pub(crate) model: &'a dyn NumericModel,
+    pub(crate) colors: Vec<Option<(&'a ColorTargetState, ColorFormat)>>,
+    pub(crate) depth: Option<DepthFormat>,
 }
 
 impl<'a> Merger<'a> {

@@ -87,6 +87,24 @@ pub trait NumericModel: Debug + Send + Sync {
         let _ = format;
         codes
     }
+
+    /// Whether [`rewrite_untouched`](Self::rewrite_untouched) may change a texel of this format. `false` promises that it
+    /// never does, and lets [`crate::plan`] leave such texels alone.
+    fn rewrites_untouched(&self, format: ColorFormat) -> bool {
+        let _ = format;
+        false
+    }
+
+    /// Whether, on this float target, destination terms whose factor is the constant zero are left out of the sum, so
+    /// that not even NaN, infinity or the sign of a zero in the destination shows. With source factors one as well, the
+    /// result is then that of blending off.
+    ///
+    /// On normalised targets no model can tell, and [`crate::plan`] does not ask: there a factor that is the constant
+    /// zero must remove its term, and one that is the constant one must keep the operand.
+    fn drops_zero_destination(&self, format: ColorFormat, blend: &BlendState) -> bool {
+        let _ = (format, blend);
+        false
+    }
 }
 
 /// The operations the blend equation is made of, over one kind of number.

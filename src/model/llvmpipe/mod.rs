@@ -27,7 +27,7 @@ mod steps;
 
 pub use rsqrt::{RSQRT_CPU, rsqrt};
 
-use wgpu_types::BlendState;
+use wgpu_types::{BlendFactor, BlendState};
 
 use super::{ColorInputs, Explanation, NumericModel, Unsupported};
 use crate::format::depth::DepthKind;
@@ -122,6 +122,21 @@ impl NumericModel for Llvmpipe {
             ChannelKind::Float(layout) if !layout.signed && layout.is_nan(codes[i]) => layout.nan(),
             _ => codes[i],
         })
+    }
+
+    fn rewrites_untouched(&self, format: ColorFormat) -> bool {
+        let rewritten =
+            |kind: &ChannelKind| matches!(kind, ChannelKind::Float(layout) if *layout != FloatLayout::SINGLE);
+        format.channels().iter().any(rewritten)
+    }
+
+    /// A term is dropped when every lane of the vector has factor zero. Single-channel targets interpolate instead:
+    /// `One Zero` is fma(1, S - D, D) there, which even a finite destination changes.
+    fn drops_zero_destination(&self, format: ColorFormat, blend: &BlendState) -> bool {
+        let blend = state::rewrite(*blend, format);
+        let has_alpha = format.channels()[3] != ChannelKind::Absent;
+        let zero = |factor| factor == BlendFactor::Zero;
+        state::channel_count(format) > 1 && zero(blend.color.dst_factor) && (!has_alpha || zero(blend.alpha.dst_factor))
     }
 }
 
