@@ -131,7 +131,7 @@ proptest! {
                 merger.merge(fragment, 0, 0, &mut memory);
             }
             let (plan, traffic) = (merger.plan(), memory.traffic);
-            let asked = recorder.asked.into_inner().expect("one thread");
+            let asked = std::mem::take(&mut *recorder.asked.lock().expect("one thread"));
             let name = model.name();
             for (part, bytes) in [
                 (Part::DestinationRead, traffic.color_read),
@@ -253,7 +253,9 @@ fn one_zero_on_float_targets_shows_the_destination_where_the_plan_reads_it() {
         };
         let differs = model.merge_color(&inputs(a)) != model.merge_color(&inputs(b));
         assert_eq!(differs, differ, "{format:?}, {model_name}: source {source}, destinations {a:#x} and {b:#x}");
-        assert_eq!(needed(&plan(&state, model_name), Part::DestinationRead), differ, "{format:?}, {model_name}: read");
+        // What llvmpipe does to discarded fragments' texels is another reason to read, not this one.
+        let read = plan(&state, model_name).targets[0].as_ref().expect("a target").read;
+        assert_eq!(read, differ, "{format:?}, {model_name}: read");
     }
 }
 
@@ -269,7 +271,7 @@ fn missing_alpha_is_one_and_needs_no_read() {
 fn source_alpha_is_needed_only_where_something_reads_it() {
     let mut state = target(T::R8Unorm, None);
     assert!(!plan(&state, "exact").reads_source_alpha(), "one channel stores no alpha");
-    state.alpha_test = crate::state::AlphaTest::On { compare: CompareFunction::Greater, reference: 0.5 };
+    state.alpha_test = AlphaTest::On { compare: CompareFunction::Greater, reference: 0.5 };
     assert!(plan(&state, "exact").reads_source_alpha(), "the alpha test reads it");
     state = target(T::R8Unorm, blend(F::SrcAlpha, F::One, Op::Add));
     assert!(plan(&state, "exact").reads_source_alpha(), "the factor reads it");
