@@ -15,7 +15,6 @@ use crate::merger::blend::operation::ignores_factors;
 
 /// The operands an equation reads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[expect(clippy::struct_excessive_bools, reason = "one independent fact each")]
 pub struct Reads {
     /// Channels of the shader's output, RGBA.
     pub source: [bool; 4],
