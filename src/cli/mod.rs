@@ -9,6 +9,7 @@ mod explain;
 mod fixpoint;
 mod list;
 mod output;
+mod plan;
 mod render;
 mod report;
 mod stability;
@@ -34,6 +35,8 @@ enum Command {
     Report(report::Report),
     /// Render a scene to a PNG in one model.
     Render(render::Render),
+    /// What each draw of a scene needs, what is left out and why, with bytes and time saved.
+    Plan(plan::PlanCommand),
     /// Compare a device with numeric models, bit for bit, through its real output merger.
     #[cfg(feature = "gpu")]
     Conform(conform::Conform),
@@ -80,6 +83,7 @@ pub fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Report(command) => command.run(),
         Command::Render(command) => command.run(),
+        Command::Plan(command) => command.run(),
         #[cfg(feature = "gpu")]
         Command::Conform(command) => command.run(),
         Command::Explain(command) => command.run(),

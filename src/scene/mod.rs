@@ -3,7 +3,8 @@
 //! - [`raster`]: triangles to covered pixels;
 //! - [`texture`]: images, patterns, sampling;
 //! - [`camera`], [`mesh`]: geometry; [`queue`]: drawing order;
-//! - [`material`]: rendering modes, passes, the fragment shader.
+//! - [`material`]: rendering modes, passes, the fragment shader;
+//! - [`planned`]: what each draw needs, and what is left out.
 
 pub mod bundled;
 pub mod camera;
@@ -16,6 +17,7 @@ pub mod layer;
 pub mod material;
 pub mod mesh;
 mod number;
+pub mod planned;
 pub mod queue;
 pub mod raster;
 pub mod render;

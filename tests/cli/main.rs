@@ -5,6 +5,7 @@
 mod analysis;
 mod explain;
 mod golden;
+mod plan;
 mod scenes;
 mod vectors;
 
