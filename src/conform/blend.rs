@@ -47,8 +47,8 @@ pub(super) fn run(
                 run_states(device, subjects, &line, &states, tally)?;
             }
         }
-        States::Equal(src_factor) => {
-            let mut generator = Generator::new(0x5eed);
+        States::Equal { factor: src_factor, part } => {
+            let mut generator = Generator::new(0x5eed + u64::from(part));
             let mut line = generator.line(format, extent.sample_total());
             line.src1 = None;
             if device.has_second_source() {

@@ -127,7 +127,12 @@ pub enum States {
         count: u32,
     },
     /// Color and alpha the same: this source factor with every destination factor and operation, with random constants.
-    Equal(BlendFactor),
+    Equal {
+        /// The source factor.
+        factor: BlendFactor,
+        /// Tells the inputs of several units with the same factor apart, from 0.
+        part: u32,
+    },
 }
 
 impl Unit {
@@ -138,8 +143,9 @@ impl Unit {
             Self::Blend { format, states: States::Random { seed, count }, texels } => {
                 format!("blend/{}/random-{seed}x{count}/{texels}", format.name())
             }
-            Self::Blend { format, states: States::Equal(factor), texels } => {
-                format!("blend/{}/{}/{texels}", format.name(), spelling::factor_name(*factor))
+            Self::Blend { format, states: States::Equal { factor, part }, texels } => {
+                let part = if *part == 0 { String::new() } else { format!("/{part}") };
+                format!("blend/{}/{}/{texels}{part}", format.name(), spelling::factor_name(*factor))
             }
             Self::Store { format, stride, rotation } => format!("store/{}/{stride}/{rotation}", format.name()),
             Self::Depth { format, stride } => format!("depth/{}/{stride}", depth_name(*format)),
@@ -200,9 +206,14 @@ const MANY_INPUTS: [&str; 4] = ["rgba16float", "rgba8unorm-srgb", "rg11b10ufloat
 pub fn units(level: Level) -> Vec<Unit> {
     let formats: Vec<ColorFormat> = FORMATS.iter().filter_map(|(_, format)| ColorFormat::new(*format).ok()).collect();
     let named = |name: &&str| ColorFormat::from_name(name).ok();
-    let equal = |format: ColorFormat, texels: u32| {
-        spelling::blend_factors().map(move |factor| Unit::Blend { format, states: States::Equal(factor), texels })
+    let equal_part = |format: ColorFormat, texels: u32, part: u32| {
+        spelling::blend_factors().map(move |factor| Unit::Blend {
+            format,
+            states: States::Equal { factor, part },
+            texels,
+        })
     };
+    let equal = |format: ColorFormat, texels: u32| equal_part(format, texels, 0);
     let blendable = |format: &ColorFormat| format.class() != TargetClass::Snorm;
     let mut units = Vec::new();
     match level {
@@ -232,7 +243,8 @@ pub fn units(level: Level) -> Vec<Unit> {
             units.extend(spelling::blend_factors().map(|src_factor| Unit::Codes { src_factor }));
             units.extend(both_alphas().into_iter().map(|component| Unit::CodesBothAlphas { component }));
             for format in MANY_INPUTS.iter().filter_map(named) {
-                units.extend(equal(format, 1 << 22));
+                // In two parts: a layer of 2^22 fragments is larger than the buffer that every device binds.
+                units.extend((0..2).flat_map(|part| equal_part(format, 1 << 21, part)));
             }
         }
     }

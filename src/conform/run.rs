@@ -150,7 +150,7 @@ fn run_unit(device: &Device, subjects: &[Subject], unit: &Unit) -> Result<UnitOu
     let mut tally = Tally::new(subjects);
     match unit {
         Unit::Blend { format, states, texels } => {
-            if matches!(states, super::level::States::Equal(_)) && !device.blends(*format) {
+            if matches!(states, super::level::States::Equal { .. }) && !device.blends(*format) {
                 let reason = format!("the adapter does not blend on {}", format.name());
                 return Ok(UnitOutcome::not_run(unit, reason));
             }
