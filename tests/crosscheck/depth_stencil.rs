@@ -6,8 +6,8 @@ use outmerge::crosscheck::{Batch, DepthSource, Destination, Input, Job, Layer, P
 use outmerge::target::{Extent, Framebuffer};
 use outmerge::{Fragment, MergerState};
 use wgpu_types::{
-    CompareFunction, DepthBiasState, DepthStencilState, StencilFaceState, StencilOperation, StencilState,
-    TextureFormat as T,
+    BlendComponent, BlendState, CompareFunction, DepthBiasState, DepthStencilState, StencilFaceState, StencilOperation,
+    StencilState, TextureFormat as T,
 };
 
 use crate::harness::{bytes, device, draw, run, single, targets};
@@ -97,6 +97,26 @@ fn all_24_bit_depth_codes_but_the_last_are_stored_told_apart_and_read_back() {
             assert_eq!(*stored, if code == last { code } else { code + 1 }, "stored over {code:#x}");
         }
     }
+}
+
+/// The last two codes load alike, so nothing read back tells them apart; the depth test does. Four depths, each strictly
+/// greater than the one before, of which the first is code 2^24 - 4 and the last 2^24 - 1, leave one code for each.
+#[test]
+fn the_two_last_24_bit_depth_codes_are_stored_apart() {
+    let Some(device) = device() else { return };
+    let one = BlendComponent { dst_factor: wgpu_types::BlendFactor::One, ..BlendComponent::REPLACE };
+    let state = MergerState {
+        depth_stencil: Some(depth_state(T::Depth24Plus, CompareFunction::Greater)),
+        ..single(T::R8Unorm, Some(BlendState { color: one, alpha: one }))
+    };
+    let initial = targets(&state, 1, 1, |_| vec![0]);
+    let depths = [unorm24(0x00ff_fffc), unorm24(0x00ff_fffd), f32::from_bits(0x3f7f_ffff), 1.0];
+    assert_eq!(unorm24(0x00ff_fffe).to_bits(), 0x3f7f_ffff, "the float below 1");
+    let layer = |z: f32| Layer::new(state.clone(), vec![Fragment::new([1.0 / 255.0; 4]).at_depth(z)]);
+    let result = run(device, Batch { initial: initial.clone(), layers: depths.map(layer).to_vec() });
+    assert_eq!(bytes(&result), [4], "each of the four passes `Greater` after the one before");
+    let first = run(device, Batch { initial, layers: vec![layer(depths[0])] });
+    assert_eq!(depth(&first), [0x00ff_fffc], "where the chain starts");
 }
 
 /// The binary32 number nearest to k / (2^24 - 1).
