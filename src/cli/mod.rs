@@ -10,6 +10,8 @@ mod fixpoint;
 mod list;
 mod output;
 mod plan;
+#[cfg(feature = "gpu")]
+mod record;
 mod render;
 mod report;
 mod stability;

@@ -1,4 +1,4 @@
-//! `outmerge vectors`: apply, check, generate.
+//! `outmerge vectors`: apply, check, generate, record.
 
 use std::path::PathBuf;
 
@@ -19,6 +19,9 @@ pub(super) enum Vectors {
     Check(Check),
     /// Write lines with random states and awkward inputs, filled in by a model.
     Generate(Generate),
+    /// Write lines filled in by a Vulkan device: an input file's, or random ones.
+    #[cfg(feature = "gpu")]
+    Record(super::record::Record),
 }
 
 /// Arguments of `vectors apply`.
@@ -79,6 +82,8 @@ impl Vectors {
             Self::Apply(command) => command.run(),
             Self::Check(command) => command.run(),
             Self::Generate(command) => command.run(),
+            #[cfg(feature = "gpu")]
+            Self::Record(command) => command.run(),
         }
     }
 }

@@ -28,6 +28,7 @@ pub mod scene;
 pub mod shader;
 pub mod sweep;
 pub mod upload;
+pub mod vector;
 
 pub use adapter::{AdapterReport, OpenError, OpenOptions};
 pub use batch::{Batch, DepthSource, Layer, ReplayError};

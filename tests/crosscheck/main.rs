@@ -16,3 +16,4 @@ mod raster;
 #[cfg(feature = "scene")]
 mod scenes;
 mod sweeps;
+mod vectors;

@@ -1,0 +1,83 @@
+//! `outmerge vectors record`: test vectors from a live adapter.
+
+use std::collections::BTreeMap;
+use std::io::BufRead;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{Failure, Outcome, output};
+use crate::crosscheck::{Device, OpenOptions, adapter, vector};
+use crate::format::{ColorFormat, layout::FORMATS};
+use crate::vectors::{self, VectorLine};
+
+/// Arguments of `vectors record`.
+#[derive(Debug, Args)]
+pub(super) struct Record {
+    /// Part of the adapter's name or driver.
+    #[arg(long, short)]
+    adapter: Option<String>,
+    /// Vectors whose inputs are drawn; `-` is stdin. Random ones unless given.
+    input: Option<PathBuf>,
+    /// Formats, comma separated; all the adapter renders unless given.
+    #[arg(long, value_delimiter = ',', conflicts_with = "input")]
+    format: Vec<String>,
+    /// Lines for each format.
+    #[arg(long, default_value_t = 16, conflicts_with = "input", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    lines: u32,
+    /// Texels a line.
+    #[arg(long, default_value_t = 64, conflicts_with = "input", value_parser = clap::value_parser!(u32).range(1..=1_048_576))]
+    texels: u32,
+    /// Seed; equal seeds give equal inputs.
+    #[arg(long, default_value_t = 1, conflicts_with = "input")]
+    seed: u64,
+    /// Output file; `-` is stdout.
+    #[arg(long, short)]
+    output: PathBuf,
+}
+
+impl Record {
+    pub(super) fn run(self) -> Result<Outcome, Failure> {
+        let lines = self.lines()?;
+        adapter::reexec_without_shader_cache()?;
+        let device = Device::open(&OpenOptions { adapter: self.adapter.clone(), ..OpenOptions::default() })?;
+        let mut not_run = BTreeMap::<(&str, &str), usize>::new();
+        output::write_file(&self.output, |file| {
+            for mut line in lines {
+                if let Some(reason) = vector::refusal(&device, &line) {
+                    *not_run.entry((line.format.name(), reason)).or_default() += 1;
+                    continue;
+                }
+                line.out = Some(vector::record(&device, &line)?);
+                writeln!(file, "{}", line.to_json())?;
+            }
+            Ok(())
+        })?;
+        for ((format, reason), lines) in &not_run {
+            eprintln!("not run: {lines} lines of {format}: {reason}");
+        }
+        Ok(Outcome::Fine)
+    }
+
+    /// The lines to draw, all read before the device is opened.
+    fn lines(&self) -> Result<Vec<VectorLine>, Failure> {
+        let Some(path) = &self.input else {
+            let names: Vec<&str> = if self.format.is_empty() {
+                FORMATS.iter().map(|(name, _)| *name).collect()
+            } else {
+                self.format.iter().map(String::as_str).collect()
+            };
+            let formats = names.into_iter().map(ColorFormat::from_name).collect::<Result<Vec<_>, _>>()?;
+            return Ok(vectors::generate(self.seed, &formats, self.lines as usize, self.texels as usize).collect());
+        };
+        let mut lines = Vec::new();
+        for (number, text) in (1..).zip(output::open(path)?.lines()) {
+            let text = text.map_err(|error| format!("{}: {error}", path.display()))?;
+            if !text.trim().is_empty() {
+                let wrong = |error| format!("{}: line {number}: {error}", path.display());
+                lines.push(VectorLine::parse(&text).map_err(wrong)?);
+            }
+        }
+        Ok(lines)
+    }
+}
