@@ -39,8 +39,8 @@ proptest! {
     #[test]
     fn over_is_monotone_in_the_source((inputs, other, _) in over()) {
         let mut more = inputs;
-        for i in 0..3 {
-            more.src[i] = inputs.src[i].max(other[i]);
+        for (i, x) in other.into_iter().enumerate().take(3) {
+            more.src[i] = inputs.src[i].max(x);
         }
         let (low, high) = (model("exact").merge_color(&inputs), model("exact").merge_color(&more));
         for (i, kind) in inputs.format.channels().into_iter().take(3).enumerate() {
