@@ -54,4 +54,13 @@ RUSTDOCFLAGS='-D warnings' cargo doc --locked --no-deps --all-features
 step 'Tests'
 cargo test --locked --all-features
 
-step 'All checks passed'
+step 'Fuzz targets, a fixed number of runs each'
+status=0
+tests/fuzz.sh || status=$?
+case $status in
+    0) ;;
+    3) fuzzed=', fuzz targets not run (see above)' ;;
+    *) exit "$status" ;;
+esac
+
+step "All checks passed${fuzzed:-}"

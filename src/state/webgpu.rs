@@ -25,6 +25,9 @@ pub enum WebGpuError {
     /// A write mask with bits beyond the four channels.
     #[error("WebGPU state: writeMask {0} is not a mask of four channels; it must be 0 to 15")]
     WriteMask(u32),
+    /// A number beyond binary32's range.
+    #[error("WebGPU state: {0} does not fit binary32; numbers may reach 3.4028235e38 in size")]
+    TooLarge(&'static str),
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -174,6 +177,12 @@ pub fn state_from_json(text: &str) -> Result<MergerState, WebGpuError> {
     if state.targets.len() > MAX_COLOR_TARGETS {
         return Err(WebGpuError::TooManyTargets(state.targets.len()));
     }
+    for (member, x) in numbers(&state) {
+        // serde reads numbers that are too large for binary32 as infinities.
+        if !x.is_finite() {
+            return Err(WebGpuError::TooLarge(member));
+        }
+    }
     let target = |target: Option<Target>| target.map(color_target).transpose();
     Ok(MergerState {
         targets: state.targets.into_iter().map(target).collect::<Result<_, _>>()?,
@@ -192,6 +201,19 @@ pub fn state_from_json(text: &str) -> Result<MergerState, WebGpuError> {
             ..DynamicState::default()
         },
     })
+}
+
+/// Every number with a fraction, with its member.
+fn numbers(state: &State) -> impl Iterator<Item = (&'static str, f32)> {
+    let bias = state.depth_stencil.iter().flat_map(|depth_stencil| {
+        [
+            ("depthStencil.depthBiasSlopeScale", depth_stencil.depth_bias_slope_scale),
+            ("depthStencil.depthBiasClamp", depth_stencil.depth_bias_clamp),
+        ]
+    });
+    let constant = state.blend_constant.map(|x| ("blendConstant", x)).into_iter();
+    let reference = state.alpha_test.iter().map(|test| ("alphaTest.reference", test.reference));
+    bias.chain(constant).chain(reference)
 }
 
 /// Writes a merger state in the form [`state_from_json`] reads. Scissor and depth range are not part of it.
@@ -297,6 +319,20 @@ fn depth_stencil(d: DepthStencil) -> DepthStencilState {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_beyond_binary32_are_errors() {
+        for (text, member) in [
+            (r#"{"blendConstant":[0,0,-1e39,0]}"#, "blendConstant"),
+            (r#"{"alphaTest":{"compare":"less","reference":1e39}}"#, "alphaTest.reference"),
+            (r#"{"depthStencil":{"format":"depth16unorm","depthBiasClamp":4e38}}"#, "depthBiasClamp"),
+            (r#"{"depthStencil":{"format":"depth16unorm","depthBiasSlopeScale":-4e38}}"#, "depthBiasSlopeScale"),
+        ] {
+            let error = state_from_json(text).expect_err(text).to_string();
+            assert!(error.contains(member), "{error}");
+        }
+        assert!(state_from_json(r#"{"blendConstant":[3.4028235e38,0,0,0]}"#).is_ok(), "the largest number fits");
+    }
 
     #[test]
     fn omitted_members_take_webgpu_s_defaults() {
