@@ -1,8 +1,8 @@
-//! Makes `docs/gallery.md` and its pictures: `cargo run --release --example gallery`.
+//! Makes `docs/gallery.md`, its pictures and that of README.md: `cargo run --release --example gallery`.
 
 use std::path::Path;
 
-use outmerge::report::gallery::gallery;
+use outmerge::report::gallery::{HEADLINE_SCENE, gallery, headline};
 use outmerge::scene::Scene;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -22,6 +22,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         std::fs::write(folder.join(file), png)?;
     }
     std::fs::write(docs.join("gallery.md"), &gallery.page)?;
+    let first = Scene::bundled_by_name(HEADLINE_SCENE).ok_or("the front page's scene is not bundled")??;
+    std::fs::write(docs.join("headline.png"), headline(&first)?.to_png()?)?;
     println!("docs/gallery.md: {} scenes, {} pictures, {bytes} bytes", scenes.len(), gallery.pictures.len());
     Ok(())
 }

@@ -4,8 +4,8 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use outmerge::report::gallery::{Gallery, gallery};
-use outmerge::scene::Scene;
+use outmerge::report::gallery::{Gallery, HEADLINE_SCENE, gallery, headline};
+use outmerge::scene::{Picture, Scene};
 
 const COMMAND: &str = "cargo run --release --example gallery";
 
@@ -36,16 +36,27 @@ fn every_bundled_scene_is_listed_with_its_sentences_and_a_picture_that_exists() 
     }
 }
 
+fn compare(path: &Path, picture: &Picture) {
+    let read = image::open(path).unwrap_or_else(|error| panic!("{}: {error}", path.display())).into_rgba8();
+    assert_eq!((read.width(), read.height()), (picture.width, picture.height), "{}: size", path.display());
+    assert!(read.into_raw() == picture.rgba, "{} is old; run `{COMMAND}`", path.display());
+}
+
+#[test]
+fn the_front_page_s_picture_is_up_to_date() {
+    let scene = Scene::bundled_by_name(HEADLINE_SCENE).expect("bundled").expect("a correct scene");
+    compare(&docs().join("headline.png"), &headline(&scene).expect("the scene renders"));
+    let readme = std::fs::read_to_string(docs().join("../README.md")).expect("README.md");
+    assert!(readme.contains("](docs/headline.png)"), "README.md shows it");
+}
+
 #[test]
 fn page_and_pictures_are_up_to_date() {
     let made = made();
     assert_eq!(page(), made.page, "docs/gallery.md is old; run `{COMMAND}`");
     let mut kept = BTreeSet::new();
     for (file, picture) in &made.pictures {
-        let path = docs().join("gallery").join(file);
-        let read = image::open(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display())).into_rgba8();
-        assert_eq!((read.width(), read.height()), (picture.width, picture.height), "{file}: size");
-        assert!(read.into_raw() == picture.rgba, "{file} is old; run `{COMMAND}`");
+        compare(&docs().join("gallery").join(file), picture);
         kept.insert(file.clone());
     }
     for entry in std::fs::read_dir(docs().join("gallery")).expect("the folder of pictures") {

@@ -2,7 +2,9 @@
 
 use std::fmt::Write as _;
 
+use super::difference::Differences;
 use crate::model::exact::Exact;
+use crate::model::registry;
 use crate::scene::description::Reference;
 use crate::scene::{Picture, PictureAlpha, Scene, SceneError};
 use crate::target::Framebuffer;
@@ -83,6 +85,45 @@ fn views(scene: &Scene) -> Result<Vec<(String, String, Picture)>, SceneError> {
         views.extend(picture(&sorted, 0).map(|picture| (".sorted".to_owned(), caption, picture)));
     }
     Ok(views)
+}
+
+/// The bundled scene on the front page.
+pub const HEADLINE_SCENE: &str = "alpha-smoothness-switch";
+
+/// The models whose differences from `exact` the front page shows.
+const HEADLINE_MODELS: [&str; 3] = ["f16", "fixed:8", "llvmpipe"];
+
+/// Screen pixels a texel of the front page's picture takes.
+const HEADLINE_SCALE: u32 = 2;
+
+/// The front page's picture: a scene in `exact`, and beside it where each of some models stores another code.
+///
+/// # Errors
+/// [`SceneError`] when the scene cannot be rendered.
+pub fn headline(scene: &Scene) -> Result<Picture, SceneError> {
+    let exact = scene.render(&Exact::default())?.framebuffer;
+    let target = |framebuffer: &Framebuffer| framebuffer.colors.first().cloned().flatten();
+    let Some(yardstick) = target(&exact) else { return Ok(Picture { width: 0, height: 0, rgba: Vec::new() }) };
+    let mut pictures = vec![Picture::of_color(&yardstick, scene.target.display, PictureAlpha::Opaque)];
+    for model in registry::all().into_iter().filter(|model| HEADLINE_MODELS.contains(&model.name().as_str())) {
+        let drawn = scene.render(&*model)?.framebuffer;
+        pictures.extend(target(&drawn).map(|drawn| Differences::between(&yardstick, &drawn).heat_map()));
+    }
+    Ok(side_by_side(&pictures, HEADLINE_SCALE))
+}
+
+/// Pictures of one size in a row, every texel `scale` pixels wide and high.
+fn side_by_side(pictures: &[Picture], scale: u32) -> Picture {
+    let (width, height) = pictures.first().map_or((0, 0), |picture| (picture.width, picture.height));
+    let mut rgba = Vec::new();
+    for y in (0..height).flat_map(|y| std::iter::repeat_n(y as usize, scale as usize)) {
+        for picture in pictures {
+            let row = &picture.rgba[y * 4 * width as usize..(y + 1) * 4 * width as usize];
+            rgba.extend(row.chunks_exact(4).flat_map(|texel| std::iter::repeat_n(texel, scale as usize)).flatten());
+        }
+    }
+    let count = u32::try_from(pictures.len()).unwrap_or(u32::MAX);
+    Picture { width: width * scale * count, height: height * scale, rgba }
 }
 
 /// `draw-order` as `Draw order`.

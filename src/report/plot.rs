@@ -9,6 +9,9 @@ const SIZE: (u32, u32) = (760, 420);
 /// Width of the legend beside it.
 const LEGEND_WIDTH: u32 = 190;
 
+/// Height of letters in pixels.
+const TEXT: u32 = 14;
+
 /// Colors that people with any color vision tell apart (Okabe and Ito).
 const PALETTE: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
@@ -143,8 +146,8 @@ where
     let (plot, legend) = root.split_horizontally(SIZE.0 - LEGEND_WIDTH);
     let mut area = ChartBuilder::on(&plot)
         .margin(12)
-        .x_label_area_size(44)
-        .y_label_area_size(72)
+        .x_label_area_size(48)
+        .y_label_area_size(78)
         .build_cartesian_2d(x, y)
         .map_err(boxed)?;
     area.configure_mesh()
@@ -152,6 +155,8 @@ where
         .y_desc(chart.y.label.as_str())
         .x_label_formatter(&number)
         .y_label_formatter(&number)
+        .label_style(("sans-serif", TEXT))
+        .axis_desc_style(("sans-serif", TEXT + 1))
         .light_line_style(BLACK.mix(0.04))
         .bold_line_style(BLACK.mix(0.12))
         .draw()
@@ -172,7 +177,7 @@ where
         drawn.map_err(boxed)?;
         let y = 16 + 20 * i32::try_from(index).unwrap_or(0);
         legend.draw(&Rectangle::new([(4, y), (16, y + 12)], color.filled())).map_err(boxed)?;
-        legend.draw(&Text::new(series.name.clone(), (22, y), ("sans-serif", 12).into_font())).map_err(boxed)?;
+        legend.draw(&Text::new(series.name.clone(), (22, y), ("sans-serif", TEXT).into_font())).map_err(boxed)?;
     }
     root.present().map_err(boxed)?;
     Ok(())
