@@ -16,6 +16,8 @@ pub mod merger;
 
 pub mod model;
 
+pub mod limit;
+
 pub mod plan;
 
 #[cfg(feature = "scene")]
@@ -43,6 +45,7 @@ pub mod proptest;
 pub mod cli;
 
 pub use fragment::Fragment;
+pub use limit::Limits;
 pub use merger::Merger;
 pub use model::NumericModel;
 pub use state::{AlphaTest, DynamicState, MergerState};

@@ -9,6 +9,8 @@ use wgpu_types::TextureFormat;
 
 pub fn check(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else { return };
+    // A byte order mark is one only at the start, and this text is moved.
+    let text = text.trim_start_matches('\u{feff}');
     let properties: Properties =
         [("_Mode".to_owned(), PropertyValue::Number(5.0)), ("_Name".to_owned(), PropertyValue::Name("One".to_owned()))]
             .into();

@@ -7,7 +7,9 @@ mod bound;
 mod conform;
 mod explain;
 mod fixpoint;
+mod limits;
 mod list;
+mod manual;
 mod output;
 mod plan;
 #[cfg(feature = "gpu")]
@@ -21,12 +23,15 @@ mod vectors;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 /// What bytes must the GPU write here, and why?
 #[derive(Debug, Parser)]
 #[command(name = "outmerge", version, about, max_term_width = 100, arg_required_else_help = true)]
 struct Arguments {
+    /// Raise or lower a limit on inputs, e.g. texture-bytes=4G; may be repeated. See docs/limits.md.
+    #[arg(long = "limit", global = true, value_name = "NAME=VALUE")]
+    limits: Vec<String>,
     #[command(subcommand)]
     command: Command,
 }
@@ -65,6 +70,10 @@ enum Command {
     Scenes(list::Scenes),
     /// List the named blend states.
     Presets(list::Presets),
+    /// Print a completion script for a shell.
+    Completions(manual::Completions),
+    /// Write the manual pages.
+    Man(manual::Man),
 }
 
 /// What a command found.
@@ -82,7 +91,22 @@ type Failure = Box<dyn std::error::Error>;
 /// Runs the command line and returns its exit status.
 #[must_use]
 pub fn main() -> ExitCode {
-    let result = match Arguments::parse().command {
+    output::end_cleanly_when_interrupted();
+    let arguments = Arguments::parse();
+    let result = limits::set(&arguments.limits).and_then(|()| run(arguments.command));
+    match result {
+        Ok(Outcome::Fine) => ExitCode::SUCCESS,
+        Ok(Outcome::Finding) => ExitCode::from(1),
+        Err(error) if output::is_closed_pipe(error.as_ref()) => ExitCode::SUCCESS,
+        Err(error) => {
+            output::complain(&format!("outmerge: {error}"));
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run(command: Command) -> Result<Outcome, Failure> {
+    match command {
         Command::Report(command) => command.run(),
         Command::Render(command) => command.run(),
         Command::Plan(command) => command.run(),
@@ -99,14 +123,7 @@ pub fn main() -> ExitCode {
         Command::Formats(command) => command.run(),
         Command::Scenes(command) => command.run(),
         Command::Presets(command) => command.run(),
-    };
-    match result {
-        Ok(Outcome::Fine) => ExitCode::SUCCESS,
-        Ok(Outcome::Finding) => ExitCode::from(1),
-        Err(error) if output::is_closed_pipe(error.as_ref()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("outmerge: {error}");
-            ExitCode::from(2)
-        }
+        Command::Completions(command) => command.run(Arguments::command()),
+        Command::Man(command) => command.run(Arguments::command()),
     }
 }

@@ -1,9 +1,11 @@
-//! Where results go: stdout, or a file that appears whole or not at all.
+//! Where results go: stdout, or a file that appears whole or not at all, also when the disk is full or the run is
+//! interrupted.
 
 use std::error::Error;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
 use super::Failure;
 
@@ -19,25 +21,108 @@ pub(super) fn print_json(value: &impl serde::Serialize) -> Result<(), Failure> {
     print(&format!("{}\n", serde_json::to_string_pretty(value)?))
 }
 
-/// Writes a file through `write`: to a temporary name beside it, renamed when complete. `-` is stdout.
+/// Says something on stderr; where nobody can hear it, nothing is lost.
+pub(super) fn complain(text: &str) {
+    let _ = writeln!(io::stderr().lock(), "{text}");
+}
+
+/// The temporary file being written.
+static UNFINISHED: Mutex<Option<PathBuf>> = Mutex::new(None);
+
+/// Exit status after an interrupt, as shells have it: 128 + SIGINT.
+const INTERRUPTED: i32 = 130;
+
+/// Makes SIGINT, SIGTERM and SIGHUP remove the temporary file being written before they end the process.
+pub(super) fn end_cleanly_when_interrupted() {
+    // Without the handler an interrupt leaves a temporary file behind, and nothing worse.
+    let _ = ctrlc::set_handler(|| {
+        let unfinished = UNFINISHED.lock().map(|mut path| path.take());
+        if let Ok(Some(path)) = unfinished {
+            let _ = std::fs::remove_file(path);
+        }
+        std::process::exit(INTERRUPTED);
+    });
+}
+
+fn set_unfinished(path: Option<PathBuf>) {
+    if let Ok(mut unfinished) = UNFINISHED.lock() {
+        *unfinished = path;
+    }
+}
+
+/// Writes a file through `write`: to a temporary name beside it, renamed when complete. `-` is stdout. A link is
+/// followed; what is no ordinary file (a device, a pipe) is written to directly.
 pub(super) fn write_file<T>(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> Result<T, Failure>,
 ) -> Result<T, Failure> {
     if path == Path::new("-") {
-        let mut stdout = BufWriter::new(io::stdout().lock());
-        let value = write(&mut stdout)?;
-        stdout.flush()?;
-        return Ok(value);
+        return write_to(io::stdout().lock(), write, Into::into);
     }
-    let named = |error: io::Error| format!("cannot write {}: {error}", path.display());
-    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let named = |error: io::Error| -> Failure { format!("cannot write {}: {error}", path.display()).into() };
+    let place = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    if place.is_dir() {
+        return Err(format!("cannot write {}: it is a folder", path.display()).into());
+    }
+    if place.exists() && !place.is_file() {
+        let file = File::options().write(true).open(&place).map_err(named)?;
+        return write_to(file, write, named);
+    }
+    let folder = place.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let temporary = temporary_file(folder).map_err(named)?;
-    let mut buffered = BufWriter::new(temporary);
-    let value = write(&mut buffered)?;
-    let temporary = buffered.into_inner().map_err(|error| named(error.into_error()))?;
-    temporary.persist(path).map_err(|error| named(error.error))?;
-    Ok(value)
+    set_unfinished(Some(temporary.path().to_owned()));
+    let mut temporary = temporary;
+    let written = write_to(&mut temporary, write, named);
+    let outcome = written.and_then(|value| match temporary.persist(&place) {
+        Ok(_) => Ok(value),
+        Err(error) => Err(named(error.error)),
+    });
+    set_unfinished(None);
+    outcome
+}
+
+/// Writes through a buffer; `named` tells of an error where `write` met none.
+fn write_to<T>(
+    file: impl Write,
+    write: impl FnOnce(&mut dyn Write) -> Result<T, Failure>,
+    named: impl Fn(io::Error) -> Failure,
+) -> Result<T, Failure> {
+    let mut checked = Checked { inner: BufWriter::new(file), failed: None };
+    let outcome = write(&mut checked);
+    let flushed = checked.flush();
+    // The first failure of the file itself says more than what `write` made of it.
+    if let Some(error) = checked.failed.take().or(flushed.err()) {
+        return Err(named(error));
+    }
+    outcome
+}
+
+/// A writer that remembers its first failure.
+struct Checked<W: Write> {
+    inner: BufWriter<W>,
+    failed: Option<io::Error>,
+}
+
+impl<W: Write> Checked<W> {
+    fn note<T>(&mut self, result: io::Result<T>) -> io::Result<T> {
+        result.map_err(|error| {
+            let copy = io::Error::new(error.kind(), error.to_string());
+            self.failed.get_or_insert(error);
+            copy
+        })
+    }
+}
+
+impl<W: Write> Write for Checked<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let result = self.inner.write(bytes);
+        self.note(result)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let result = self.inner.flush();
+        self.note(result)
+    }
 }
 
 /// Writes a chart as an SVG file.

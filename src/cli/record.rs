@@ -54,7 +54,7 @@ impl Record {
             Ok(())
         })?;
         for ((format, reason), lines) in &not_run {
-            eprintln!("not run: {lines} lines of {format}: {reason}");
+            output::complain(&format!("not run: {lines} lines of {format}: {reason}"));
         }
         Ok(Outcome::Fine)
     }

@@ -48,7 +48,7 @@ pub(super) fn load(name: &str) -> Result<Scene, Failure> {
         let names: Vec<&str> = Scene::bundled().map(|(name, _)| name).collect();
         return Err(format!("no file and no bundled scene `{name}`; bundled are: {}", names.join(", ")).into());
     }
-    Ok(Scene::load(path)?)
+    Ok(Scene::load_within(path, super::limits::get())?)
 }
 
 impl Render {

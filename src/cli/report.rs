@@ -73,7 +73,7 @@ impl Report {
             output::print(&format!("{json}\n"))?;
         } else {
             output::print(&format!("{}\n{device}\n", report::table(&rows)))?;
-            eprintln!("wrote {}", index.display());
+            output::complain(&format!("wrote {}", index.display()));
         }
         Ok(Outcome::Fine)
     }

@@ -68,7 +68,7 @@ impl Texture {
             .with_style(ProgressStyle::with_template("measuring {bar:40} {pos}/{len} images {elapsed}")?);
         let mut reports = Vec::new();
         for path in &files {
-            let source = Source::load(path, space)?;
+            let source = Source::load_within(path, space, super::limits::get())?;
             let mut report = texture::measure(&source, &options);
             if let (Some(folder), Some(picture)) = (&self.heat_maps, report.heat_map.take()) {
                 write_heat_map(folder, reports.len(), path, &picture.to_png()?)?;

@@ -78,7 +78,7 @@ impl Tradeoff {
         };
         let inputs = match &self.image {
             None => Inputs::new(self.seed),
-            Some(path) => Inputs::with_picture(self.seed, &Source::load(path, None)?),
+            Some(path) => Inputs::with_picture(self.seed, &Source::load_within(path, None, super::limits::get())?),
         };
         let layers = self.layers()?;
         let what = Survey { models: &models, inputs: &inputs, formats: &formats, layers: &layers };

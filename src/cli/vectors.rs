@@ -102,7 +102,8 @@ impl Apply {
         let model = registry::by_name(&self.model)?;
         let input = output::open(&self.input)?;
         output::write_file(&self.output, |file| {
-            vectors::apply(model.as_ref(), input, file).map_err(|e| in_file(&self.input, e))
+            vectors::apply_within(model.as_ref(), input, file, super::limits::get())
+                .map_err(|e| in_file(&self.input, e))
         })?;
         Ok(Outcome::Fine)
     }
@@ -113,13 +114,14 @@ impl Check {
         let model = registry::by_name(&self.model)?;
         let mut text = String::new();
         let mut shown = 0;
-        let report = vectors::check(model.as_ref(), output::open(&self.input)?, |mismatch| {
-            if shown < self.show {
-                text.push_str(&describe(mismatch));
-            }
-            shown += 1;
-        })
-        .map_err(|e| in_file(&self.input, e))?;
+        let report =
+            vectors::check_within(model.as_ref(), output::open(&self.input)?, super::limits::get(), |mismatch| {
+                if shown < self.show {
+                    text.push_str(&describe(mismatch));
+                }
+                shown += 1;
+            })
+            .map_err(|e| in_file(&self.input, e))?;
         if self.report {
             output::print_json(&report)?;
         } else {

@@ -1,12 +1,13 @@
 //! Replaying vectors through a numeric model.
 
 use std::collections::BTreeMap;
-use std::io::{BufRead, Write};
+use std::io::{BufRead, Read, Write};
 
 use serde::Serialize;
 
 use super::{LineError, VectorError, VectorLine};
 use crate::format::{ChannelKind, Codes, ColorFormat};
+use crate::limit::Limits;
 use crate::merger::write_mask;
 use crate::model::{ColorInputs, NumericModel};
 
@@ -62,10 +63,23 @@ pub struct Report {
 pub fn check(
     model: &dyn NumericModel,
     input: impl BufRead,
+    failed: impl FnMut(&Mismatch),
+) -> Result<Report, VectorError> {
+    check_within(model, input, &Limits::default(), failed)
+}
+
+/// [`check`] with limits of the caller's.
+///
+/// # Errors
+/// As [`check`].
+pub fn check_within(
+    model: &dyn NumericModel,
+    input: impl BufRead,
+    limits: &Limits,
     mut failed: impl FnMut(&Mismatch),
 ) -> Result<Report, VectorError> {
     let mut report = Report { model: model.name(), ..Report::default() };
-    for_each_line(input, |number, line| {
+    for_each_line(input, limits, |number, line| {
         let out = line.out.as_ref().ok_or(VectorError::Line { line: number, source: LineError::NoOut })?;
         supported(model, number, &line)?;
         let mut first = None;
@@ -99,9 +113,22 @@ pub fn check(
 ///
 /// # Errors
 /// [`VectorError`] at the first line that is malformed or beyond the model, or when writing fails.
-pub fn apply(model: &dyn NumericModel, input: impl BufRead, mut output: impl Write) -> Result<usize, VectorError> {
+pub fn apply(model: &dyn NumericModel, input: impl BufRead, output: impl Write) -> Result<usize, VectorError> {
+    apply_within(model, input, output, &Limits::default())
+}
+
+/// [`apply`] with limits of the caller's.
+///
+/// # Errors
+/// As [`apply`].
+pub fn apply_within(
+    model: &dyn NumericModel,
+    input: impl BufRead,
+    mut output: impl Write,
+    limits: &Limits,
+) -> Result<usize, VectorError> {
     let mut count = 0;
-    for_each_line(input, |number, mut line| {
+    for_each_line(input, limits, |number, mut line| {
         supported(model, number, &line)?;
         fill(model, &mut line);
         writeln!(output, "{}", line.to_json())?;
@@ -144,16 +171,25 @@ fn supported(model: &dyn NumericModel, number: usize, line: &VectorLine) -> Resu
 
 /// Parses line by line; blank lines are passed over.
 fn for_each_line(
-    input: impl BufRead,
+    mut input: impl BufRead,
+    limits: &Limits,
     mut each: impl FnMut(usize, VectorLine) -> Result<(), VectorError>,
 ) -> Result<(), VectorError> {
-    for (i, text) in input.lines().enumerate() {
-        let text = text?;
+    let mut bytes = Vec::new();
+    for number in 1.. {
+        bytes.clear();
+        if input.by_ref().take(limits.line_bytes.saturating_add(1)).read_until(b'\n', &mut bytes)? == 0 {
+            break;
+        }
+        let wrong = |source| VectorError::Line { line: number, source };
+        if bytes.len() as u64 > limits.line_bytes {
+            return Err(wrong(LineError::TooLong(limits.line_bytes)));
+        }
+        let text = std::str::from_utf8(&bytes).map_err(|error| wrong(LineError::Utf8(error.valid_up_to())))?;
         if text.trim().is_empty() {
             continue;
         }
-        let line = VectorLine::parse(&text).map_err(|source| VectorError::Line { line: i + 1, source })?;
-        each(i + 1, line)?;
+        each(number, VectorLine::parse(text).map_err(wrong)?)?;
     }
     Ok(())
 }

@@ -35,6 +35,12 @@ pub enum LineError {
     /// Not the JSON object it should be.
     #[error("not a vector object: {0}")]
     Json(#[from] serde_json::Error),
+    /// Longer than the limit.
+    #[error("the line has more than {0} bytes, the limit `line-bytes`")]
+    TooLong(u64),
+    /// Not text.
+    #[error("byte {0} of the line is not UTF-8 text")]
+    Utf8(usize),
     /// An unknown kind of line.
     #[error("unknown line kind `{0}`; this version reads color vectors, which have no `kind`")]
     Kind(String),

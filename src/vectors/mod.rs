@@ -21,7 +21,7 @@ mod generate;
 mod hex;
 mod line;
 
-pub use check::{Checked, Mismatch, Report, apply, check, fill};
+pub use check::{Checked, Mismatch, Report, apply, apply_within, check, check_within, fill, same_codes};
 pub use generate::{Generator, generate};
 pub use line::{LineError, VectorLine};
 

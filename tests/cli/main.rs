@@ -6,6 +6,7 @@ mod analysis;
 mod explain;
 mod golden;
 mod plan;
+mod robust;
 mod scenes;
 mod vectors;
 

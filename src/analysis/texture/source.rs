@@ -3,19 +3,17 @@
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-use image::{ColorType, ImageFormat, ImageReader, Limits};
+use image::{ColorType, ImageFormat, ImageReader};
 use serde::Serialize;
 
+use crate::limit::{self, Limits};
 use crate::scene::texture::ColorSpace;
 
-/// Texels an image may have: 4096 x 4096, 128 MiB in memory.
-pub const MAX_TEXELS: u64 = 1 << 24;
+/// Memory the decoder may use for a texel, in bytes.
+const DECODE_BYTES: u64 = 16;
 
 /// Longest side of an image.
 pub const MAX_SIDE: u32 = 1 << 16;
-
-/// Memory the decoder may use, in bytes: 16 bytes a texel.
-const MAX_DECODE_BYTES: u64 = 16 * MAX_TEXELS;
 
 /// What the stored colors of an image mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -74,10 +72,18 @@ pub enum SourceError {
         /// The reason.
         source: image::ImageError,
     },
+    /// The file is too large.
+    #[error("{} has more than {limit} bytes, the limit `image-bytes`", path.display())]
+    FileSize {
+        /// The file.
+        path: PathBuf,
+        /// The limit in bytes.
+        limit: u64,
+    },
     /// Too many texels.
     #[error(
-        "{}: {width} x {height} is more than {MAX_TEXELS} texels (4096 x 4096); cut it into tiles or measure a smaller \
-         version", path.display()
+        "{}: {width} x {height} is more than {limit} texels, the limit `image-texels`; raise it, cut the image into \
+         tiles or measure a smaller version", path.display()
     )]
     Size {
         /// The file.
@@ -86,38 +92,64 @@ pub enum SourceError {
         width: u32,
         /// Its height.
         height: u32,
+        /// The limit in texels.
+        limit: u64,
     },
 }
 
 impl Source {
-    /// Reads a file; `space` overrides what the file declares.
+    /// Reads a file within the default [`Limits`]; `space` overrides what the file declares.
     ///
     /// # Errors
     /// [`SourceError`], naming the file.
     pub fn load(path: &Path, space: Option<Space>) -> Result<Self, SourceError> {
-        let bytes = std::fs::read(path).map_err(|source| SourceError::Read { path: path.into(), source })?;
-        Self::decode(&bytes, path, space)
+        Self::load_within(path, space, &Limits::default())
+    }
+
+    /// Reads a file; `space` overrides what the file declares.
+    ///
+    /// # Errors
+    /// [`SourceError`], naming the file.
+    pub fn load_within(path: &Path, space: Option<Space>, limits: &Limits) -> Result<Self, SourceError> {
+        let bytes = limit::read_file(path, limits.image_bytes)
+            .map_err(|source| SourceError::Read { path: path.into(), source })?
+            .ok_or_else(|| SourceError::FileSize { path: path.into(), limit: limits.image_bytes })?;
+        Self::decode_within(&bytes, path, space, limits)
+    }
+
+    /// Reads the bytes of a PNG file within the default [`Limits`]; `path` names it.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load), but for reading.
+    pub fn decode(bytes: &[u8], path: &Path, space: Option<Space>) -> Result<Self, SourceError> {
+        Self::decode_within(bytes, path, space, &Limits::default())
     }
 
     /// Reads the bytes of a PNG file; `path` names it.
     ///
     /// # Errors
     /// As [`load`](Self::load), but for reading.
-    pub fn decode(bytes: &[u8], path: &Path, space: Option<Space>) -> Result<Self, SourceError> {
+    pub fn decode_within(
+        bytes: &[u8],
+        path: &Path,
+        space: Option<Space>,
+        limits: &Limits,
+    ) -> Result<Self, SourceError> {
+        let limit = limits.image_texels;
         let failed = |source| SourceError::Decode { path: path.into(), source };
         let reader = || {
-            let mut limits = Limits::default();
+            let mut limits = image::Limits::default();
             limits.max_image_width = Some(MAX_SIDE);
             limits.max_image_height = Some(MAX_SIDE);
-            limits.max_alloc = Some(MAX_DECODE_BYTES);
+            limits.max_alloc = Some(limit.saturating_mul(DECODE_BYTES));
             let mut reader = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png);
             reader.limits(limits);
             reader
         };
         // The header alone tells the size, before any texel is unpacked.
         let (width, height) = reader().into_dimensions().map_err(failed)?;
-        if u64::from(width) * u64::from(height) > MAX_TEXELS {
-            return Err(SourceError::Size { path: path.into(), width, height });
+        if u64::from(width) * u64::from(height) > limit {
+            return Err(SourceError::Size { path: path.into(), width, height, limit });
         }
         let decoded = reader().decode().map_err(failed)?;
         let (bits, texels) = match decoded.color() {

@@ -6,9 +6,10 @@ use glam::{DVec2, DVec3};
 use wgpu_types::{AddressMode, BlendFactor, FilterMode};
 
 use super::build::{built_in_meshes, point};
-use super::check::{at_most, distinct, finite, named, within};
+use super::check::{at_most, distinct, finite, named, within, within_limit};
 use super::error::{Fault, FieldPath};
 use super::schema::{FileMaterial, FileMesh, FilePass, FileQueue, FileTexture};
+use crate::limit::Limits;
 use crate::scene::import;
 use crate::scene::material::{Material, Pass, Shader, Shading};
 use crate::scene::mesh::{MAX_VERTICES, Mesh, MeshVertex};
@@ -23,24 +24,41 @@ const DEFAULT_CUTOFF: f32 = 0.5;
 const MAX_PASSES: usize = 16;
 
 /// Built-in meshes and those of the file, with their names.
-pub(super) fn meshes(files: &[FileMesh], field: &FieldPath, folder: &Path) -> Result<(Vec<String>, Vec<Mesh>), Fault> {
+pub(super) fn meshes(
+    files: &[FileMesh],
+    field: &FieldPath,
+    folder: &Path,
+    limits: &Limits,
+) -> Result<(Vec<String>, Vec<Mesh>), Fault> {
     let (mut names, mut meshes): (Vec<_>, Vec<_>) =
         built_in_meshes().into_iter().map(|(name, mesh)| (name.to_owned(), mesh)).unzip();
     for (i, file) in files.iter().enumerate() {
-        meshes.push(mesh(file, &field.index(i), folder)?);
+        let field = field.index(i);
+        meshes.push(mesh(file, &field, folder, limits)?);
+        within_limit(&field, "vertices", vertices(&meshes), limits.vertices)?;
         if names.contains(&file.name) {
-            return Err(Fault::new(&field.index(i).key("name"), format!("`{}` is defined twice", file.name)));
+            return Err(Fault::new(&field.key("name"), format!("`{}` is defined twice", file.name)));
         }
         names.push(file.name.clone());
     }
     Ok((names, meshes))
 }
 
-fn mesh(file: &FileMesh, field: &FieldPath, folder: &Path) -> Result<Mesh, Fault> {
+/// Vertices of all meshes.
+pub(super) fn vertices(meshes: &[Mesh]) -> u64 {
+    meshes.iter().map(|mesh| mesh.vertices.len() as u64).sum()
+}
+
+/// Bytes of all textures in memory, mip levels included.
+pub(super) fn texture_bytes(textures: &[Texture]) -> u64 {
+    textures.iter().map(Texture::bytes).sum()
+}
+
+fn mesh(file: &FileMesh, field: &FieldPath, folder: &Path, limits: &Limits) -> Result<Mesh, Fault> {
     match (file.sphere_segments, &file.file, file.faces.is_empty()) {
         (Some(segments), None, true) => Ok(Mesh::sphere(within(&field.key("sphere-segments"), segments, 4..=512)?)),
         (None, Some(name), true) => {
-            import::load_mesh(&folder.join(name)).map_err(|error| Fault::new(&field.key("file"), error))
+            import::load_mesh(&folder.join(name), limits).map_err(|error| Fault::new(&field.key("file"), error))
         }
         (None, None, false) => faces(file, field),
         _ => Err(Fault::new(field, "give one of `sphere-segments`, `file`, or `positions` and `faces`")),
@@ -98,15 +116,27 @@ fn plane_normal(corners: &[MeshVertex]) -> Option<DVec3> {
     (planar && convex).then_some(normal)
 }
 
-pub(super) fn textures(files: &[FileTexture], field: &FieldPath, folder: &Path) -> Result<Vec<Texture>, Fault> {
+pub(super) fn textures(
+    files: &[FileTexture],
+    field: &FieldPath,
+    folder: &Path,
+    limits: &Limits,
+) -> Result<Vec<Texture>, Fault> {
     distinct(field, files.iter().map(|file| file.name.as_str()))?;
-    files.iter().enumerate().map(|(i, file)| texture(file, &field.index(i), folder)).collect()
+    let mut textures = Vec::new();
+    for (i, file) in files.iter().enumerate() {
+        let field = field.index(i);
+        textures.push(texture(file, &field, folder, limits)?);
+        within_limit(&field, "texture-bytes", texture_bytes(&textures), limits.texture_bytes)?;
+    }
+    Ok(textures)
 }
 
-fn texture(file: &FileTexture, field: &FieldPath, folder: &Path) -> Result<Texture, Fault> {
+fn texture(file: &FileTexture, field: &FieldPath, folder: &Path, limits: &Limits) -> Result<Texture, Fault> {
     let image = match (&file.file, file.pattern) {
         (Some(name), None) => {
-            png::load(&folder.join(name), file.space).map_err(|error| Fault::new(&field.key("file"), error))?
+            let path = folder.join(name);
+            png::load_within(&path, file.space, limits).map_err(|error| Fault::new(&field.key("file"), error))?
         }
         (None, Some(pattern)) => {
             let [width, height] = file.size.unwrap_or([64, 64]);

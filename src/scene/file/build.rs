@@ -6,10 +6,11 @@ use glam::{DAffine3, DQuat, DVec3, EulerRot, Vec3};
 use wgpu_types::TextureFormat;
 
 use super::appearance;
-use super::check::{at_most, distinct, finite, named, positive, within};
+use super::check::{at_most, distinct, finite, named, positive, within, within_limit};
 use super::error::{Fault, FieldPath};
 use super::schema::{FileCamera, FileColor, FileLight, FileModel, FileObject, FileScene, FileTarget};
 use crate::format::{ColorFormat, DepthFormat};
+use crate::limit::Limits;
 use crate::scene::camera::{Camera, Projection};
 use crate::scene::description::{ColorSpec, DepthSpec, Object, Output, Replacement, Scene, TargetSpec};
 use crate::scene::import;
@@ -26,7 +27,7 @@ const MAX_ENTRIES: usize = 256;
 const MAX_LENGTH: f64 = 1e9;
 
 /// Checks a file and builds the scene; `folder` is where relative file names start.
-pub(super) fn build(file: &FileScene, folder: &Path) -> Result<Scene, Fault> {
+pub(super) fn build(file: &FileScene, folder: &Path, limits: &Limits) -> Result<Scene, Fault> {
     let root = FieldPath::default();
     for (section, count) in [
         ("light", file.light.len()),
@@ -40,14 +41,14 @@ pub(super) fn build(file: &FileScene, folder: &Path) -> Result<Scene, Fault> {
     at_most(&root.key("object"), file.object.len(), MAX_OBJECTS)?;
     let lights = file.light.iter().enumerate().map(|(i, file)| light(file, &root.key("light").index(i)));
     let ambient = Vec3::from(finite(&root.key("ambient"), file.ambient)?);
-    let (mesh_names, meshes) = appearance::meshes(&file.mesh, &root.key("mesh"), folder)?;
-    let textures = appearance::textures(&file.texture, &root.key("texture"), folder)?;
+    let (mesh_names, meshes) = appearance::meshes(&file.mesh, &root.key("mesh"), folder, limits)?;
+    let textures = appearance::textures(&file.texture, &root.key("texture"), folder, limits)?;
     let materials = appearance::materials(&file.material, &file.texture, &root.key("material"))?;
     let mut scene = Scene {
         title: file.title.clone(),
         explanation: file.explanation.split_whitespace().collect::<Vec<_>>().join(" "),
         technique: file.technique.clone(),
-        target: target(&file.target, &root.key("target"))?,
+        target: target(&file.target, &root.key("target"), limits)?,
         camera: camera(&file.camera, &root.key("camera"))?,
         lighting: Lighting { ambient, lights: lights.collect::<Result<_, _>>()? },
         textures,
@@ -63,7 +64,10 @@ pub(super) fn build(file: &FileScene, folder: &Path) -> Result<Scene, Fault> {
         scene.objects.push(object);
     }
     for (i, model) in file.model.iter().enumerate() {
-        self::model(model, &root.key("model").index(i), folder, &mut scene)?;
+        let field = root.key("model").index(i);
+        self::model(model, &field, folder, limits, &mut scene)?;
+        within_limit(&field, "vertices", appearance::vertices(&scene.meshes), limits.vertices)?;
+        within_limit(&field, "texture-bytes", appearance::texture_bytes(&scene.textures), limits.texture_bytes)?;
     }
     at_most(&root.key("model"), scene.objects.len(), MAX_OBJECTS)?;
     distinct(&root.key("object"), scene.objects.iter().map(|object| object.name.as_str()))?;
@@ -77,7 +81,7 @@ pub(super) fn build(file: &FileScene, folder: &Path) -> Result<Scene, Fault> {
     Ok(scene)
 }
 
-fn target(file: &FileTarget, field: &FieldPath) -> Result<TargetSpec, Fault> {
+fn target(file: &FileTarget, field: &FieldPath, limits: &Limits) -> Result<TargetSpec, Fault> {
     let side = |name: &str, value: i64| {
         let side = within(&field.key(name), value, 1..=i64::from(MAX_DIMENSION))?;
         Ok(u32::try_from(side).unwrap_or(MAX_DIMENSION))
@@ -107,6 +111,10 @@ fn target(file: &FileTarget, field: &FieldPath) -> Result<TargetSpec, Fault> {
             clear_stencil: file.clear_stencil.unwrap_or(0),
         }),
     };
+    let texel: usize = colors.iter().map(|color| color.format.bytes_per_texel()).sum();
+    // A depth code takes 4 bytes and a stencil value 1, whatever the format.
+    let texel = texel + if depth.is_some() { 5 } else { 0 };
+    within_limit(field, "target-bytes", (texel as u64) * (extent.sample_total() as u64), limits.target_bytes)?;
     Ok(TargetSpec { extent, colors, depth, display: file.display })
 }
 
@@ -218,9 +226,10 @@ fn transform(
 }
 
 /// Adds what a model file holds to the scene.
-fn model(file: &FileModel, field: &FieldPath, folder: &Path, scene: &mut Scene) -> Result<(), Fault> {
+fn model(file: &FileModel, field: &FieldPath, folder: &Path, limits: &Limits, scene: &mut Scene) -> Result<(), Fault> {
     let place = transform(field, file.position, file.rotation, file.scale)?;
-    let model = import::load_model(&folder.join(&file.file)).map_err(|error| Fault::new(&field.key("file"), error))?;
+    let model =
+        import::load_model(&folder.join(&file.file), limits).map_err(|error| Fault::new(&field.key("file"), error))?;
     let (textures, meshes, materials) = (scene.textures.len(), scene.meshes.len(), scene.materials.len());
     scene.textures.extend(model.textures);
     scene.meshes.extend(model.meshes);

@@ -64,3 +64,11 @@ pub(super) fn at_most(section: &FieldPath, count: usize, limit: usize) -> Result
     }
     Err(Fault::new(section, format!("{count} entries are too many; the limit is {limit}")))
 }
+
+/// Fails if `amount` is above the limit called `name` (see [`crate::limit::Limits`]).
+pub(super) fn within_limit(field: &FieldPath, name: &str, amount: u64, limit: u64) -> Result<(), Fault> {
+    if amount <= limit {
+        return Ok(());
+    }
+    Err(Fault::new(field, format!("{amount} are needed so far, and the limit `{name}` is {limit}")))
+}

@@ -72,7 +72,7 @@ pub enum SceneFileError {
         source: std::io::Error,
     },
     /// The file is too large.
-    #[error("scene `{path}` has more than {limit} bytes, the limit for scene files")]
+    #[error("scene `{path}` has more than {limit} bytes, the limit `scene-bytes`")]
     TooLarge {
         /// The file.
         path: PathBuf,

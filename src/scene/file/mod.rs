@@ -15,7 +15,6 @@ mod tests;
 
 pub use error::{FieldPath, SceneFileError};
 
-use std::io::Read;
 use std::path::Path;
 
 use error::Fault;
@@ -23,9 +22,7 @@ use position::Node;
 use schema::FileScene;
 
 use super::description::Scene;
-
-/// Largest scene file in bytes.
-pub const MAX_FILE_BYTES: u64 = 4 << 20;
+use crate::limit::{self, Limits};
 
 /// The version of the format this crate reads.
 pub const VERSION: i64 = 1;
@@ -40,11 +37,19 @@ pub enum Syntax {
 }
 
 impl Scene {
-    /// Reads a scene file; textures are looked for beside it.
+    /// Reads a scene file within the default [`Limits`]; textures are looked for beside it.
     ///
     /// # Errors
     /// [`SceneFileError`].
     pub fn load(path: &Path) -> Result<Self, SceneFileError> {
+        Self::load_within(path, &Limits::default())
+    }
+
+    /// Reads a scene file; textures are looked for beside it.
+    ///
+    /// # Errors
+    /// [`SceneFileError`].
+    pub fn load_within(path: &Path, limits: &Limits) -> Result<Self, SceneFileError> {
         let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
         let syntax = match ending.as_deref() {
             Some("toml") => Syntax::Toml,
@@ -52,19 +57,30 @@ impl Scene {
             _ => return Err(SceneFileError::Ending { path: path.into() }),
         };
         let read = |source| SceneFileError::Read { path: path.into(), source };
-        let mut text = String::new();
-        let file = std::fs::File::open(path).map_err(read)?;
-        file.take(MAX_FILE_BYTES + 1).read_to_string(&mut text).map_err(read)?;
-        Self::parse(&text, syntax, path)
+        let bytes = limit::read_file(path, limits.scene_bytes).map_err(read)?;
+        let bytes = bytes.ok_or_else(|| SceneFileError::TooLarge { path: path.into(), limit: limits.scene_bytes })?;
+        let text = String::from_utf8(bytes).map_err(|error| {
+            read(std::io::Error::new(std::io::ErrorKind::InvalidData, format!("not UTF-8 text: {error}")))
+        })?;
+        Self::parse_within(&text, syntax, path, limits)
+    }
+
+    /// Reads the text of a scene file within the default [`Limits`]; `path` serves messages, and its folder is where
+    /// textures are looked for.
+    ///
+    /// # Errors
+    /// [`SceneFileError`].
+    pub fn parse(text: &str, syntax: Syntax, path: &Path) -> Result<Self, SceneFileError> {
+        Self::parse_within(text, syntax, path, &Limits::default())
     }
 
     /// Reads the text of a scene file; `path` serves messages, and its folder is where textures are looked for.
     ///
     /// # Errors
     /// [`SceneFileError`].
-    pub fn parse(text: &str, syntax: Syntax, path: &Path) -> Result<Self, SceneFileError> {
-        if text.len() as u64 > MAX_FILE_BYTES {
-            return Err(SceneFileError::TooLarge { path: path.into(), limit: MAX_FILE_BYTES });
+    pub fn parse_within(text: &str, syntax: Syntax, path: &Path, limits: &Limits) -> Result<Self, SceneFileError> {
+        if text.len() as u64 > limits.scene_bytes {
+            return Err(SceneFileError::TooLarge { path: path.into(), limit: limits.scene_bytes });
         }
         let error = |offset: usize, field: String, message: String| SceneFileError::Field {
             path: path.into(),
@@ -80,7 +96,7 @@ impl Scene {
             Syntax::Json => return Err(SceneFileError::NoJson { path: path.into() }),
         };
         let folder = path.parent().unwrap_or(Path::new(""));
-        build::build(&file, folder)
+        build::build(&file, folder, limits)
             .map_err(|Fault { field, message }| error(tree.offset(&field), field.to_string(), message))
     }
 }

@@ -15,6 +15,7 @@ use gltf::texture::{MagFilter, WrappingMode};
 use wgpu_types::{AddressMode, FilterMode, MipmapFilterMode};
 
 use super::{ImportError, Model, read};
+use crate::limit::Limits;
 use crate::scene::description::Object;
 use crate::scene::material::{Material, Pass, RenderingMode, Shading};
 use crate::scene::mesh::{MAX_VERTICES, Mesh};
@@ -29,18 +30,18 @@ const MAX_OBJECTS: usize = 4096;
 ///
 /// # Errors
 /// [`ImportError`].
-pub fn load(path: &Path) -> Result<Model, ImportError> {
-    parse(&read(path)?, path)
+pub fn load(path: &Path, limits: &Limits) -> Result<Model, ImportError> {
+    parse(&read(path, limits)?, path, limits)
 }
 
 /// Reads the bytes of a `.gltf` or `.glb` file; others are looked for beside `path`.
 ///
 /// # Errors
 /// [`ImportError`].
-pub fn parse(bytes: &[u8], path: &Path) -> Result<Model, ImportError> {
+pub fn parse(bytes: &[u8], path: &Path, limits: &Limits) -> Result<Model, ImportError> {
     check_attributes(bytes, path)?;
     let file = gltf::Gltf::from_slice(bytes).map_err(|error| ImportError::content(path, error))?;
-    let mut reader = Reader { path, buffers: Vec::new(), primitives: Vec::new(), model: Model::default() };
+    let mut reader = Reader { path, limits, buffers: Vec::new(), primitives: Vec::new(), model: Model::default() };
     for buffer in file.buffers() {
         let bytes = match buffer.source() {
             gltf::buffer::Source::Bin => {
@@ -53,6 +54,9 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Model, ImportError> {
     for texture in file.textures() {
         let texture = reader.texture(&texture)?;
         reader.model.textures.push(texture);
+        // Many textures may share one small file.
+        let bytes: u64 = reader.model.textures.iter().map(Texture::bytes).sum();
+        reader.within("texture-bytes", bytes, limits.texture_bytes)?;
     }
     for material in file.materials() {
         let material = reader.material(&material)?;
@@ -62,6 +66,8 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Model, ImportError> {
     for mesh in file.meshes() {
         let primitives: Result<Vec<_>, _> = mesh.primitives().map(|primitive| reader.primitive(&primitive)).collect();
         reader.primitives.push(primitives?);
+        let vertices: usize = reader.model.meshes.iter().map(|mesh| mesh.vertices.len()).sum();
+        reader.within("vertices", vertices as u64, limits.vertices)?;
     }
     let scene = file.default_scene().or_else(|| file.scenes().next()).ok_or_else(|| reader.wrong("has no scene"))?;
     for node in scene.nodes() {
@@ -92,6 +98,7 @@ fn check_attributes(bytes: &[u8], path: &Path) -> Result<(), ImportError> {
 /// A file being read.
 struct Reader<'a> {
     path: &'a Path,
+    limits: &'a Limits,
     buffers: Vec<Vec<u8>>,
     /// Mesh and material of each primitive, by glTF mesh.
     primitives: Vec<Vec<(usize, usize)>>,
@@ -101,6 +108,13 @@ struct Reader<'a> {
 impl Reader<'_> {
     fn wrong(&self, message: impl std::fmt::Display) -> ImportError {
         ImportError::content(self.path, message)
+    }
+
+    fn within(&self, name: &str, amount: u64, limit: u64) -> Result<(), ImportError> {
+        if amount <= limit {
+            return Ok(());
+        }
+        Err(self.wrong(format!("{amount} are needed so far, and the limit `{name}` is {limit}")))
     }
 
     /// The bytes behind a URI: base64 data, or a file beside this one.
@@ -113,7 +127,7 @@ impl Reader<'_> {
         if uri.contains("://") {
             return Err(self.wrong(format!("`{uri}` is not a file; outmerge reads nothing from the network")));
         }
-        read(&self.path.with_file_name(uri))
+        read(&self.path.with_file_name(uri), self.limits)
     }
 
     /// The part of a buffer that a view names.

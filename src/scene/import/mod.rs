@@ -10,16 +10,13 @@ pub mod obj;
 #[cfg(all(test, feature = "meshes"))]
 mod tests;
 
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::description::Object;
 use super::material::Material;
 use super::mesh::Mesh;
 use super::texture::Texture;
-
-/// Largest mesh or model file in bytes.
-pub const MAX_IMPORT_BYTES: u64 = 64 << 20;
+use crate::limit::{self, Limits};
 
 /// A mesh or model file that cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -33,10 +30,12 @@ pub enum ImportError {
         source: std::io::Error,
     },
     /// The file is too large.
-    #[error("`{path}` has more than {MAX_IMPORT_BYTES} bytes, the limit for meshes and models")]
+    #[error("`{path}` has more than {limit} bytes, the limit `import-bytes`")]
     TooLarge {
         /// The file.
         path: PathBuf,
+        /// The limit in bytes.
+        limit: u64,
     },
     /// The file is malformed, or holds what this reader does not know.
     #[error("`{path}`: {message}")]
@@ -78,10 +77,11 @@ pub struct Model {
 ///
 /// # Errors
 /// [`ImportError`].
-pub fn load_mesh(path: &Path) -> Result<Mesh, ImportError> {
+#[cfg_attr(not(feature = "meshes"), expect(unused_variables, reason = "nothing is read"))]
+pub fn load_mesh(path: &Path, limits: &Limits) -> Result<Mesh, ImportError> {
     match ending(path).as_str() {
         #[cfg(feature = "meshes")]
-        "obj" => obj::load(path),
+        "obj" => obj::load(path, limits),
         #[cfg(not(feature = "meshes"))]
         "obj" => Err(ImportError::NotBuilt { path: path.into() }),
         _ => Err(ImportError::Content { path: path.into(), message: "mesh files must end in .obj".to_owned() }),
@@ -92,10 +92,11 @@ pub fn load_mesh(path: &Path) -> Result<Mesh, ImportError> {
 ///
 /// # Errors
 /// [`ImportError`].
-pub fn load_model(path: &Path) -> Result<Model, ImportError> {
+#[cfg_attr(not(feature = "meshes"), expect(unused_variables, reason = "nothing is read"))]
+pub fn load_model(path: &Path, limits: &Limits) -> Result<Model, ImportError> {
     match ending(path).as_str() {
         #[cfg(feature = "meshes")]
-        "gltf" | "glb" => gltf::load(path),
+        "gltf" | "glb" => gltf::load(path, limits),
         #[cfg(not(feature = "meshes"))]
         "gltf" | "glb" => Err(ImportError::NotBuilt { path: path.into() }),
         _ => {
@@ -111,13 +112,8 @@ fn ending(path: &Path) -> String {
 
 /// The bytes of a file, up to the limit.
 #[cfg_attr(not(feature = "meshes"), expect(dead_code, reason = "used by the readers"))]
-fn read(path: &Path) -> Result<Vec<u8>, ImportError> {
-    let failed = |source| ImportError::Read { path: path.into(), source };
-    let mut bytes = Vec::new();
-    let file = std::fs::File::open(path).map_err(failed)?;
-    file.take(MAX_IMPORT_BYTES + 1).read_to_end(&mut bytes).map_err(failed)?;
-    if bytes.len() as u64 > MAX_IMPORT_BYTES {
-        return Err(ImportError::TooLarge { path: path.into() });
-    }
-    Ok(bytes)
+fn read(path: &Path, limits: &Limits) -> Result<Vec<u8>, ImportError> {
+    let limit = limits.import_bytes;
+    let bytes = limit::read_file(path, limit).map_err(|source| ImportError::Read { path: path.into(), source })?;
+    bytes.ok_or_else(|| ImportError::TooLarge { path: path.into(), limit })
 }

@@ -7,14 +7,15 @@ use glam::{DVec2, DVec3};
 use tobj::LoadOptions;
 
 use super::{ImportError, read};
+use crate::limit::Limits;
 use crate::scene::mesh::{MAX_VERTICES, Mesh};
 
 /// Reads a file. Missing normals are the faces' own; v points down, as images do.
 ///
 /// # Errors
 /// [`ImportError`].
-pub fn load(path: &Path) -> Result<Mesh, ImportError> {
-    parse(&read(path)?, path)
+pub fn load(path: &Path, limits: &Limits) -> Result<Mesh, ImportError> {
+    parse(&read(path, limits)?, path)
 }
 
 /// Reads the text of a file; `path` serves messages.

@@ -5,6 +5,7 @@ use proptest::prelude::*;
 use wgpu_types::BlendFactor;
 
 use super::*;
+use crate::limit::Limits;
 use crate::scene::material::{RenderingMode, Shading};
 
 /// A square of two triangles, first facing +z, and a lone triangle without normals.
@@ -31,7 +32,7 @@ fn gltf_text(alpha_mode: &str, extra: &str) -> String {
 }
 
 fn parse(text: &str) -> Result<Model, ImportError> {
-    gltf::parse(text.as_bytes(), Path::new("test.gltf"))
+    gltf::parse(text.as_bytes(), Path::new("test.gltf"), &Limits::default())
 }
 
 #[test]
@@ -109,7 +110,7 @@ proptest! {
             let start = start.min(bytes.len());
             let end = (start + length).min(bytes.len());
             bytes.splice(start..end, insert.bytes());
-            let _ = gltf::parse(&bytes, Path::new("damaged.gltf"));
+            let _ = gltf::parse(&bytes, Path::new("damaged.gltf"), &Limits::default());
             let _ = obj::parse(&bytes, Path::new("damaged.obj"));
         }
     }

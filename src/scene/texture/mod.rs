@@ -100,6 +100,12 @@ impl Texture {
         &self.levels
     }
 
+    /// Bytes in memory: 16 a texel, all levels.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.levels.iter().map(|level| size_of_val(level.texels()) as u64).sum()
+    }
+
     /// The sampler.
     #[must_use]
     pub fn sampler(&self) -> Sampler {
@@ -125,6 +131,14 @@ pub enum TextureError {
         path: std::path::PathBuf,
         /// The reason.
         source: std::io::Error,
+    },
+    /// The file is too large.
+    #[error("`{path}` has more than {limit} bytes, the limit `image-bytes`")]
+    FileSize {
+        /// The file.
+        path: std::path::PathBuf,
+        /// The limit in bytes.
+        limit: u64,
     },
     /// The file is not a PNG image, or a damaged one.
     #[error("`{path}` is not a complete PNG image: {source}")]

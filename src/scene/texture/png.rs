@@ -4,20 +4,32 @@
 use std::io::Cursor;
 use std::path::Path;
 
-use image::{ColorType, ImageFormat, ImageReader, Limits};
+use image::{ColorType, ImageFormat, ImageReader};
 
 use super::{ColorSpace, Image, MAX_TEXTURE_SIZE, TextureError};
+use crate::limit;
 use crate::scene::number::f64_to_f32;
 
 /// Memory the decoder may use, in bytes: a 16-bit RGBA image of the largest size, twice.
 const MAX_DECODE_BYTES: u64 = 2 * 8 * MAX_TEXTURE_SIZE as u64 * MAX_TEXTURE_SIZE as u64;
 
+/// Reads a file into linear values, within the default [`Limits`](limit::Limits).
+///
+/// # Errors
+/// [`TextureError::Read`], [`TextureError::FileSize`], [`TextureError::Decode`] (damaged, truncated, too large) or
+/// [`TextureError::Size`].
+pub fn load(path: &Path, space: ColorSpace) -> Result<Image, TextureError> {
+    load_within(path, space, &limit::Limits::default())
+}
+
 /// Reads a file into linear values.
 ///
 /// # Errors
-/// [`TextureError::Read`], [`TextureError::Decode`] (damaged, truncated, too large) or [`TextureError::Size`].
-pub fn load(path: &Path, space: ColorSpace) -> Result<Image, TextureError> {
-    let bytes = std::fs::read(path).map_err(|source| TextureError::Read { path: path.into(), source })?;
+/// As [`load`].
+pub fn load_within(path: &Path, space: ColorSpace, limits: &limit::Limits) -> Result<Image, TextureError> {
+    let bytes = limit::read_file(path, limits.image_bytes)
+        .map_err(|source| TextureError::Read { path: path.into(), source })?
+        .ok_or_else(|| TextureError::FileSize { path: path.into(), limit: limits.image_bytes })?;
     decode(&bytes, path, space)
 }
 
@@ -26,7 +38,7 @@ pub fn load(path: &Path, space: ColorSpace) -> Result<Image, TextureError> {
 /// # Errors
 /// As [`load`], but for reading.
 pub fn decode(bytes: &[u8], path: &Path, space: ColorSpace) -> Result<Image, TextureError> {
-    let mut limits = Limits::default();
+    let mut limits = image::Limits::default();
     limits.max_image_width = Some(MAX_TEXTURE_SIZE);
     limits.max_image_height = Some(MAX_TEXTURE_SIZE);
     limits.max_alloc = Some(MAX_DECODE_BYTES);
