@@ -12,6 +12,7 @@ pub mod description;
 pub mod display;
 pub mod draw;
 pub mod file;
+pub mod history;
 pub mod import;
 pub mod layer;
 pub mod material;

@@ -49,6 +49,47 @@ fn write_masks_and_separate_equations() {
 }
 
 #[test]
+fn the_history_of_a_pixel_with_its_equations_and_shares() {
+    golden::printed("pixel-fade-over-opaque.txt", &["explain", "fade-over-opaque", "--pixel", "64,64", "--stack"]);
+}
+
+#[test]
+fn the_history_of_a_pixel_names_the_stage_that_ended_a_fragment() {
+    golden::printed("pixel-depth-failed.txt", &["explain", "overlap-zwrite-on", "--pixel", "64,64"]);
+    golden::printed(
+        "pixel-vegetation.txt",
+        &["explain", "vegetation-three-trees", "--pixel", "40,64", "-m", "llvmpipe"],
+    );
+}
+
+#[test]
+fn the_history_as_json_has_events_stages_and_stacks() {
+    let output =
+        outmerge(&["explain", "fade-over-opaque", "--pixel", "64,64", "--stack", "--json"]).output().expect("runs");
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(json["events"].as_array().map(Vec::len), Some(2), "two fragments");
+    assert_eq!(json["events"][1]["fate"], "merged");
+    assert_eq!(json["events"][1]["after"], json["last"], "the last fragment left what the pixel holds");
+    assert_eq!(json["stacks"][0]["shares"].as_array().map(Vec::len), Some(3), "cleared target and two layers");
+    assert!(json["others"].as_array().is_some_and(|others| others.len() >= 4), "the other models' ends");
+}
+
+#[test]
+fn a_wrong_pixel_is_explained() {
+    fails(&["explain", "fade-over-opaque", "--pixel", "12"], "--pixel 12: write column and row");
+    fails(&["explain", "fade-over-opaque", "--pixel", "12,4096"], "outside the 128 x 128 target");
+    fails(&["explain", "no-such-scene", "--pixel", "1,1"], "no bundled scene `no-such-scene`");
+    let usage: [&[&str]; 3] = [
+        &["explain", "fade-over-opaque"],
+        &["explain", "fade-over-opaque", "--pixel", "1,1", "--state", "fade"],
+        &["explain", "--state", "fade"],
+    ];
+    for arguments in usage {
+        outmerge(arguments).assert().code(2);
+    }
+}
+
+#[test]
 fn json_carries_numbers_and_accounts() {
     let output = outmerge(&["explain", "--state", "fade", "--src", "0,0,0,0.5", "--dst", "#7f7f7fff", "--json"])
         .output()

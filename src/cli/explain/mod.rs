@@ -1,6 +1,7 @@
-//! `outmerge explain`: one blend, step by step, in one model or all, and why their codes differ.
+//! `outmerge explain`: one blend, step by step, in one model or all, and why their codes differ; or one pixel's history.
 
 mod compare;
+mod history;
 mod layout;
 
 use clap::Args;
@@ -16,28 +17,37 @@ use crate::model::{ColorInputs, Explanation, NumericModel, registry};
 use crate::state::shaderlab::Properties;
 use crate::state::text;
 
-/// Arguments of `explain`.
+/// Arguments of `explain`: either a scene and a pixel, or a state and its numbers.
 #[derive(Debug, Args)]
 pub(super) struct Explain {
+    /// A scene file, or the name of a bundled scene, whose pixel to explain.
+    #[arg(requires = "pixel", conflicts_with_all = ["state", "src", "dst"])]
+    scene: Option<String>,
+    /// The pixel: column,row, counted from 0 at the top left.
+    #[arg(long, value_name = "X,Y", requires = "scene")]
+    pixel: Option<String>,
+    /// With a pixel: every layer's equation with its numbers, and its share of the final color.
+    #[arg(long, requires = "pixel")]
+    stack: bool,
     /// The state: a preset, blend factors in any API's spelling, a ShaderLab block, or WebGPU JSON.
-    #[arg(long, short)]
-    state: String,
+    #[arg(long, short, required_unless_present = "scene")]
+    state: Option<String>,
     /// The target's format, by its WebGPU name.
-    #[arg(long, short, default_value = "rgba8unorm")]
+    #[arg(long, short, default_value = "rgba8unorm", conflicts_with = "scene")]
     format: String,
     /// Fragment output: r,g,b,a.
-    #[arg(long, value_name = "R,G,B,A", allow_hyphen_values = true)]
-    src: String,
+    #[arg(long, value_name = "R,G,B,A", allow_hyphen_values = true, required_unless_present = "scene")]
+    src: Option<String>,
     /// Destination: r,g,b,a as numbers, stored first (nearest), or #hex, the texel's bytes in memory order.
-    #[arg(long, value_name = "R,G,B,A", allow_hyphen_values = true)]
-    dst: String,
+    #[arg(long, value_name = "R,G,B,A", allow_hyphen_values = true, required_unless_present = "scene")]
+    dst: Option<String>,
     /// Second source: r,g,b,a.
     #[arg(long, value_name = "R,G,B,A", default_value = "0,0,0,0", allow_hyphen_values = true)]
     src1: String,
     /// Blend constant: r,g,b,a.
     #[arg(long, value_name = "R,G,B,A", default_value = "0,0,0,0", allow_hyphen_values = true)]
     constant: String,
-    /// A numeric model, or `all`.
+    /// A numeric model, or `all`; a pixel's history is then that in `exact`, with the end in the others.
     #[arg(long, short, default_value = "all")]
     model: String,
     /// Print JSON.
@@ -78,6 +88,10 @@ struct Answers {
 
 impl Explain {
     pub(super) fn run(self) -> Result<Outcome, Failure> {
+        if let (Some(scene), Some(pixel)) = (&self.scene, &self.pixel) {
+            let question = history::Question { scene, pixel, model: &self.model, stack: self.stack, json: self.json };
+            return history::run(&question);
+        }
         let question = self.question()?;
         let answers = self.answers(&question)?;
         if self.json {
@@ -100,16 +114,19 @@ impl Explain {
 
     fn question(&self) -> Result<Question, Failure> {
         let format = ColorFormat::from_name(&self.format)?;
-        let block = text::parse(&self.state, &Properties::new()).map_err(|e| format!("--state: {e}"))?;
+        // clap asks for these where there is no scene.
+        let given = |option: &Option<String>| option.clone().unwrap_or_default();
+        let (state, src, dst) = (given(&self.state), given(&self.src), given(&self.dst));
+        let block = text::parse(&state, &Properties::new()).map_err(|e| format!("--state: {e}"))?;
         let inputs = ColorInputs {
             format,
             blend: block.blend[0],
             constant: color("--constant", &self.constant)?,
-            src: color("--src", &self.src)?,
+            src: color("--src", &src)?,
             src1: color("--src1", &self.src1)?,
-            dst: destination(format, &self.dst)?,
+            dst: destination(format, &dst)?,
         };
-        Ok(Question { state: self.state.clone(), inputs, mask: block.write_mask[0] })
+        Ok(Question { state, inputs, mask: block.write_mask[0] })
     }
 
     fn answers(&self, question: &Question) -> Result<Answers, Failure> {
