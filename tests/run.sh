@@ -54,6 +54,11 @@ RUSTDOCFLAGS='-D warnings' cargo doc --locked --no-deps --all-features
 step 'Tests'
 cargo test --locked --all-features
 
+for example in toy_renderer trail ui_texture splats wgpu_check texture_report; do
+    step "Example: $example"
+    cargo run --quiet --locked --all-features --example "$example"
+done
+
 step 'Fuzz targets, a fixed number of runs each'
 status=0
 tests/fuzz.sh || status=$?
