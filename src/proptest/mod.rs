@@ -11,6 +11,7 @@
 //! | [`state`] | formats, factors, equations, whole merger states: any, blendable, valid for WebGPU |
 //! | [`fragment`] | fragments that fit a state, stacks of them |
 //! | [`target`] | stored codes, filled framebuffers, what the blender sees of one texel |
+//! | `scene` | whole small scenes (feature `scene`) |
 //! | [`pass`] | a state, its framebuffer and a stack of fragments together |
 //! | [`every`] | iterators over all equations, states and formats, where there are few enough to try each |
 //!
@@ -45,5 +46,7 @@ pub mod every;
 pub mod fragment;
 pub mod number;
 pub mod pass;
+#[cfg(feature = "scene")]
+pub mod scene;
 pub mod state;
 pub mod target;
