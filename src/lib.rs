@@ -128,6 +128,9 @@ pub mod plan;
 #[cfg(feature = "scene")]
 pub mod scene;
 
+#[cfg(feature = "scene")]
+pub mod lint;
+
 #[cfg(feature = "json")]
 pub mod vectors;
 

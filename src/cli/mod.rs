@@ -8,6 +8,7 @@ mod conform;
 mod explain;
 mod fixpoint;
 mod limits;
+mod lint;
 mod list;
 mod manual;
 mod output;
@@ -44,6 +45,8 @@ enum Command {
     Render(render::Render),
     /// What each draw of a scene needs, what is left out and why, with bytes and time saved.
     Plan(plan::PlanCommand),
+    /// Find the classic mistakes with alpha in a scene or a state, each with a counter-example.
+    Lint(lint::Lint),
     /// Compare a device with numeric models, bit for bit, through its real output merger.
     #[cfg(feature = "gpu")]
     Conform(conform::Conform),
@@ -110,6 +113,7 @@ fn run(command: Command) -> Result<Outcome, Failure> {
         Command::Report(command) => command.run(),
         Command::Render(command) => command.run(),
         Command::Plan(command) => command.run(),
+        Command::Lint(command) => command.run(),
         #[cfg(feature = "gpu")]
         Command::Conform(command) => command.run(),
         Command::Explain(command) => command.run(),
