@@ -51,7 +51,7 @@ pub fn page(
                         h2 { "All scenes" }
                         (summary(rows))
                         p.note { "Errors are in codes of the target: integers stored for normalised formats, representable \
-                                  numbers for floats. Times are of the reference merger on this machine." }
+                                  numbers for floats. Times are of the merger as planned, on this machine." }
                     }
                     @if !analyses.is_empty() {
                         nav { @for (section, _) in &analyses { a href={"#" (section.id)} { (section.title) } } }

@@ -62,7 +62,7 @@ pub struct ModelReport {
     pub difference: Difference,
     /// Fragments merged.
     pub fragments: u64,
-    /// Time of the reference merger per fragment, in nanoseconds.
+    /// Time of the planned merger per fragment, in nanoseconds.
     pub ns_per_fragment: f64,
     /// The picture, color target 0.
     #[serde(skip)]
@@ -81,7 +81,7 @@ pub struct ModelSummary {
     pub scenes: usize,
     /// How it differs from `exact`.
     pub difference: Difference,
-    /// Time of the reference merger per fragment, in nanoseconds.
+    /// Time of the planned merger per fragment, in nanoseconds.
     pub ns_per_fragment: f64,
 }
 

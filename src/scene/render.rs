@@ -1,14 +1,17 @@
-//! A scene through the reference merger, in one or several numeric models at once.
+//! A scene through the planned merger, in one or several numeric models at once; or through the reference.
 
 use std::time::{Duration, Instant};
 
 use super::description::Scene;
 use super::draw::Draw;
 use super::material::Work;
+use super::shade::PixelFragment;
 use crate::format::{Codes, ColorFormat};
 use crate::merger::{Merger, MergerError};
 use crate::model::exact::Exact;
 use crate::model::{ColorInputs, NumericModel};
+use crate::plan::Planned;
+use crate::state::MergerState;
 use crate::state::block::StateBlock;
 use crate::target::{Framebuffer, TargetError};
 
@@ -69,6 +72,44 @@ pub struct Rendered {
     pub merge_time: Duration,
 }
 
+/// The merger of one draw: with its plan, or the reference.
+enum Way<'a> {
+    Planned(Planned<'a>),
+    Reference(Merger<'a>),
+}
+
+/// Which merger to use.
+#[derive(Clone, Copy)]
+enum Path {
+    Planned,
+    Reference,
+}
+
+impl<'a> Way<'a> {
+    fn new(
+        path: Path,
+        state: &'a MergerState,
+        model: &'a dyn NumericModel,
+        targets: &Framebuffer,
+    ) -> Result<Self, MergerError> {
+        match path {
+            Path::Planned => Planned::new(state, model, targets).map(Self::Planned),
+            Path::Reference => Merger::new(state, model, targets).map(Self::Reference),
+        }
+    }
+
+    fn merge(&self, fragments: &[PixelFragment], framebuffer: &mut Framebuffer) {
+        match self {
+            Self::Planned(merger) => {
+                fragments.iter().for_each(|pixel| merger.merge(&pixel.fragment, pixel.x, pixel.y, framebuffer));
+            }
+            Self::Reference(merger) => {
+                fragments.iter().for_each(|pixel| merger.merge(&pixel.fragment, pixel.x, pixel.y, framebuffer));
+            }
+        }
+    }
+}
+
 impl Scene {
     /// The scene's targets, cleared. Clear values are stored with one correct rounding, whatever the model.
     ///
@@ -102,11 +143,24 @@ impl Scene {
         Ok(self.render_models(&[model])?.swap_remove(0))
     }
 
-    /// Renders the scene in several models; fragments are made once.
+    /// Renders the scene in several models; fragments are made once. Each draw leaves out what its plan does not need.
     ///
     /// # Errors
     /// [`SceneError`].
     pub fn render_models(&self, models: &[&dyn NumericModel]) -> Result<Vec<Rendered>, SceneError> {
+        self.render_by(models, Path::Planned)
+    }
+
+    /// Renders the scene through the reference merger, which leaves nothing out; the bytes are the same.
+    ///
+    /// # Errors
+    /// [`SceneError`].
+    pub fn render_reference(&self, model: &dyn NumericModel) -> Result<Rendered, SceneError> {
+        Ok(self.render_by(&[model], Path::Reference)?.swap_remove(0))
+    }
+
+    /// Renders with a merger that is made anew for each draw and model.
+    fn render_by(&self, models: &[&dyn NumericModel], path: Path) -> Result<Vec<Rendered>, SceneError> {
         let cleared = self.cleared()?;
         let start = |model: &&dyn NumericModel| Rendered {
             model: model.name(),
@@ -117,17 +171,15 @@ impl Scene {
         };
         let mut rendered: Vec<Rendered> = models.iter().map(start).collect();
         for (index, draw) in self.draws().iter().enumerate() {
-            let mergers: Vec<Merger<'_>> = models
+            let ways: Vec<Way<'_>> = models
                 .iter()
-                .map(|model| Merger::new(&draw.state, *model, &cleared))
+                .map(|model| Way::new(path, &draw.state, *model, &cleared))
                 .collect::<Result<_, _>>()
                 .map_err(|source| SceneError::Merger { index, draw: draw.label(), source })?;
             let work = self.shade(draw, None, |fragments| {
-                for (merger, rendered) in mergers.iter().zip(&mut rendered) {
+                for (way, rendered) in ways.iter().zip(&mut rendered) {
                     let started = Instant::now();
-                    for pixel in fragments {
-                        merger.merge(&pixel.fragment, pixel.x, pixel.y, &mut rendered.framebuffer);
-                    }
+                    way.merge(fragments, &mut rendered.framebuffer);
                     rendered.merge_time += started.elapsed();
                 }
             });

@@ -5,6 +5,7 @@
 pub mod bound;
 pub mod fixpoint;
 pub mod page;
+pub mod plan;
 pub mod stability;
 #[cfg(test)]
 mod tests;
@@ -94,7 +95,7 @@ pub struct Section {
 }
 
 /// Sections [`all`] makes: the number of calls of `done`.
-pub const COUNT: usize = 7;
+pub const COUNT: usize = 8;
 
 /// An analysis that failed.
 pub type Failure = Box<dyn std::error::Error>;
@@ -112,6 +113,7 @@ pub fn all(models: &[&dyn NumericModel], done: &dyn Fn()) -> Result<Vec<Section>
         &|| stability::extreme_section(models),
         &|| stability::order_section(models),
         &|| texture::section(models),
+        &|| plan::section(),
     ];
     let mut sections = Vec::new();
     for make in makers {

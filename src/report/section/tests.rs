@@ -24,7 +24,7 @@ fn check(section: &Section) {
 fn cheap_sections_have_finding_picture_table_and_command() {
     let (exact, single) = (Exact::default(), Binary32);
     let models: [&dyn NumericModel; 2] = [&exact, &single];
-    for section in [bound::section(), fixpoint::section(&models), texture::section(&models)] {
+    for section in [bound::section(), fixpoint::section(&models), texture::section(&models), plan::section()] {
         check(&section.expect("an analysis of fixed questions"));
     }
 }

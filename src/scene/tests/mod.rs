@@ -56,6 +56,18 @@ fn every_bundled_scene_renders_in_every_model_that_covers_its_formats() {
 }
 
 #[test]
+fn planned_and_reference_rendering_leave_the_same_bytes_in_every_scene_and_model() {
+    for (name, scene) in Scene::bundled() {
+        let scene = scene.expect("bundled scenes are correct");
+        for model in registry::all() {
+            let Ok(reference) = scene.render_reference(model.as_ref()) else { continue };
+            let planned = scene.render(model.as_ref()).expect("what the reference renders, the plan does");
+            assert!(planned.framebuffer == reference.framebuffer, "{name}, {}", model.name());
+        }
+    }
+}
+
+#[test]
 fn layers_merge_to_the_same_bytes_and_hold_each_texel_once() {
     let model = Exact::default();
     for (name, scene) in Scene::bundled() {
