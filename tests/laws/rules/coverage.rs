@@ -109,6 +109,19 @@ fn alpha_to_coverage_is_empty_at_zero_and_nan_and_full_at_one() {
     assert_eq!([1.0, 2.5, f32::INFINITY].map(samples), [15; 3], "full coverage");
 }
 
+/// The APIs leave the masks to the implementation; ours reaches sample i at alpha (i + 1/2) / n, the threshold included.
+#[test]
+fn alpha_to_coverage_includes_its_thresholds() {
+    let mut state = visible(4);
+    state.multisample.alpha_to_coverage_enabled = true;
+    for (sample, threshold) in (0_u32..).zip([0.125_f32, 0.375, 0.625, 0.875]) {
+        let kept =
+            |alpha: f32| changed_samples(&state, &Fragment::new([1.0, 1.0, 1.0, alpha]).at_depth(0.5)).count_ones();
+        assert_eq!(kept(threshold), sample + 1, "alpha {threshold} reaches sample {sample}");
+        assert_eq!(kept(threshold.next_down()), sample, "an ulp less does not");
+    }
+}
+
 #[test]
 fn alpha_to_coverage_leaves_color_depth_and_stencil_of_dropped_samples() {
     let mut state = visible(4);

@@ -61,6 +61,27 @@ fn the_fragment_is_on_the_left_of_the_comparison() {
     }
 }
 
+/// Uploaded depth may hold anything; float depth compares as numbers (V: "floating-point comparison"), not as bits.
+#[test]
+fn float_depth_compares_as_numbers() {
+    let passes = |compare, stored: f32, z: f32| {
+        let state = state(T::Depth32Float, compare, false);
+        let mut targets = Framebuffer::for_state(Extent::new(1, 1).expect("a texel"), &state).expect("targets");
+        targets.depth_stencil.as_mut().expect("depth").depth_mut()[0] = stored.to_bits();
+        let model = model("exact");
+        let merger = Merger::new(&state, &*model, &targets).expect("a merger");
+        let trace = merger.trace(&Fragment::new([1.0; 4]).at_depth(z), 0, 0, &mut targets);
+        trace.samples[0].fate == Fate::Merged
+    };
+    assert!(passes(C::Equal, -0.0, 0.0), "-0 equals +0");
+    assert!(!passes(C::Less, -0.0, 0.0) && !passes(C::Less, 0.0, -0.0), "neither zero is less");
+    assert!(passes(C::Greater, -0.5, 0.25), "negative numbers are less, though their bits are not");
+    for compare in [C::Less, C::LessEqual, C::Equal, C::GreaterEqual, C::Greater] {
+        assert!(!passes(compare, f32::NAN, 0.5), "{compare:?} with NaN is false");
+    }
+    assert!(passes(C::NotEqual, f32::NAN, 0.5), "except not-equal");
+}
+
 #[test]
 fn depth_is_clamped_to_the_viewport_range_before_the_test() {
     for format in FORMATS {
