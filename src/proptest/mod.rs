@@ -13,6 +13,7 @@
 //! | [`target`] | stored codes, filled framebuffers, what the blender sees of one texel |
 //! | `scene` | whole small scenes (feature `scene`) |
 //! | [`pass`] | a state, its framebuffer and a stack of fragments together |
+//! | [`layers`] | several draws, each with a state of its own, over whole targets |
 //! | [`every`] | iterators over all equations, states and formats, where there are few enough to try each |
 //!
 //! A toy blender, checked against the model on inputs that look for trouble:
@@ -44,6 +45,7 @@
 
 pub mod every;
 pub mod fragment;
+pub mod layers;
 pub mod number;
 pub mod pass;
 #[cfg(feature = "scene")]

@@ -133,17 +133,29 @@ pub fn depth_stencil() -> impl Strategy<Value = DepthStencilState> + Clone {
         TextureFormat::Stencil8,
     ];
     (select(formats), any::<bool>(), compare(), stencil()).prop_map(|(format, write, compare, stencil)| {
-        let layout = DepthFormat::new(format).ok();
-        let has_depth = layout.is_some_and(|layout| layout.depth().is_some());
-        let has_stencil = layout.is_some_and(DepthFormat::has_stencil);
-        DepthStencilState {
+        let given = DepthStencilState {
             format,
-            depth_write_enabled: has_depth.then_some(write),
-            depth_compare: has_depth.then_some(compare),
-            stencil: if has_stencil { stencil } else { StencilState::default() },
+            depth_write_enabled: Some(write),
+            depth_compare: Some(compare),
+            stencil,
             bias: DepthBiasState::default(),
-        }
+        };
+        with_format(given, format)
     })
+}
+
+/// The state for another format: members of aspects it lacks are removed, those of aspects it gains set.
+fn with_format(state: DepthStencilState, format: TextureFormat) -> DepthStencilState {
+    let layout = DepthFormat::new(format).ok();
+    let has_depth = layout.is_some_and(|layout| layout.depth().is_some());
+    let has_stencil = layout.is_some_and(DepthFormat::has_stencil);
+    DepthStencilState {
+        format,
+        depth_write_enabled: has_depth.then(|| state.depth_write_enabled.unwrap_or(true)),
+        depth_compare: has_depth.then(|| state.depth_compare.unwrap_or(CompareFunction::Less)),
+        stencil: if has_stencil { state.stencil } else { StencilState::default() },
+        bias: state.bias,
+    }
 }
 
 /// One or four samples, any mask, alpha to coverage now and then.
@@ -200,6 +212,27 @@ pub fn any_state() -> BoxedStrategy<MergerState> {
 /// A state that WebGPU accepts, all features given ([`crate::state::validate::validate`] passes it).
 pub fn valid_state() -> BoxedStrategy<MergerState> {
     any_state().prop_map(made_valid).boxed()
+}
+
+/// A valid state for a later draw into the targets of `first`: the same formats and sample count, everything else anew.
+pub fn valid_state_over(first: &MergerState) -> BoxedStrategy<MergerState> {
+    let first = first.clone();
+    let blends = ::proptest::collection::vec((blend(), write_mask()), first.targets.len());
+    (blends, depth_stencil(), multisample(), alpha_test(), dynamic(constant()))
+        .prop_map(move |(blends, tests, multisample, alpha_test, dynamic)| {
+            let over = |(target, (blend, write_mask)): (&Option<ColorTargetState>, _)| {
+                target.as_ref().map(|target| ColorTargetState { format: target.format, blend, write_mask })
+            };
+            let depth_stencil = first.depth_stencil.as_ref().map(|state| with_format(tests, state.format));
+            made_valid(MergerState {
+                targets: first.targets.iter().zip(blends).map(over).collect(),
+                depth_stencil,
+                multisample: MultisampleState { count: first.multisample.count, ..multisample },
+                alpha_test,
+                dynamic,
+            })
+        })
+        .boxed()
 }
 
 /// A state with one target that blends, and nothing else: no test can interfere.

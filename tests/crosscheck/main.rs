@@ -11,6 +11,8 @@ mod drawn;
 mod formats;
 mod harness;
 mod layers;
+#[cfg(feature = "proptest")]
+mod random;
 #[cfg(feature = "scene")]
 mod raster;
 #[cfg(feature = "scene")]
