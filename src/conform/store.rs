@@ -58,10 +58,7 @@ pub(super) fn run(
                 program.outputs[0].map(|input| input.value(n, &[]))
             };
             let expected: Box<dyn Fn(usize) -> Codes + Sync> = match subject.llvmpipe {
-                Some(model) => Box::new(move |i| {
-                    let src = source(i);
-                    std::array::from_fn(|c| model.store(channels[c], src[c]))
-                }),
+                Some(model) => Box::new(move |i| model.store(format, source(i))),
                 None if stride == 1 && !subject.exhaustive => {
                     let reason = "too slow for all 2^32 stores; compared at the other levels";
                     tally.models[s].not_run = Some(reason.to_owned());

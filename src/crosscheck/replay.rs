@@ -35,8 +35,22 @@ impl<'a> Replay<'a> {
     /// All layers go into one render pass, except where their fragments exceed 256 MiB.
     ///
     /// # Errors
-    /// [`ReplayError`]: a batch that contradicts itself, something the device cannot do, or a fault of the device.
+    /// [`ReplayError`]: a batch that contradicts itself, something the device cannot do, or a fault of the device. After
+    /// one the next batch starts afresh: no refused pipeline stays behind.
     pub fn run(&mut self, batch: &Batch) -> Result<Framebuffer, ReplayError> {
+        let result = self.draw(batch);
+        if result.is_err() {
+            // wgpu hands out objects that it refused, and their later use fails with less to say. A lost or hung device
+            // must not be asked for new ones.
+            if self.device.check().is_ok() {
+                self.painter = Painter::new(&self.device.device);
+            }
+            self.kept = None;
+        }
+        result
+    }
+
+    fn draw(&mut self, batch: &Batch) -> Result<Framebuffer, ReplayError> {
         batch.check(self.device)?;
         let (attachments, readback) = self.targets(&batch.initial);
         attachments.upload(&self.device.queue, &batch.initial);

@@ -13,6 +13,16 @@ pub struct DepthFormat {
     texture_format: T,
 }
 
+/// Every depth/stencil format outmerge models, with WebGPU's name of each.
+pub const DEPTH_FORMATS: [(&str, T); 6] = [
+    ("depth16unorm", T::Depth16Unorm),
+    ("depth24plus", T::Depth24Plus),
+    ("depth24plus-stencil8", T::Depth24PlusStencil8),
+    ("depth32float", T::Depth32Float),
+    ("depth32float-stencil8", T::Depth32FloatStencil8),
+    ("stencil8", T::Stencil8),
+];
+
 /// How a depth code is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum DepthKind {
@@ -65,6 +75,19 @@ impl DepthFormat {
         }
     }
 
+    /// The format with this WebGPU name, e.g. `depth24plus-stencil8`; `None` if it is no depth/stencil format.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        let (_, texture_format) = DEPTH_FORMATS.into_iter().find(|(known, _)| *known == name)?;
+        Some(Self { texture_format })
+    }
+
+    /// WebGPU's name of this format.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        DEPTH_FORMATS.iter().find(|(_, format)| *format == self.texture_format).map_or("", |(name, _)| name)
+    }
+
     /// The `wgpu-types` format.
     #[must_use]
     pub fn texture_format(self) -> T {
@@ -92,6 +115,16 @@ impl DepthFormat {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_listed_format_is_known_by_its_name() {
+        for (name, texture_format) in DEPTH_FORMATS {
+            let format = DepthFormat::from_name(name).expect("listed");
+            assert_eq!((format.texture_format(), format.name()), (texture_format, name), "{name}");
+            assert_eq!(DepthFormat::new(texture_format), Ok(format), "{name}");
+        }
+        assert_eq!(DepthFormat::from_name("rgba8unorm"), None, "a color format");
+    }
 
     #[test]
     fn nan_depth_becomes_the_minimum() {

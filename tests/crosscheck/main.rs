@@ -19,3 +19,5 @@ mod raster;
 mod scenes;
 mod sweeps;
 mod vectors;
+#[cfg(feature = "cli")]
+mod width;

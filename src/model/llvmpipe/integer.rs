@@ -105,7 +105,10 @@ pub fn merge_codes8(state: &BlendState, src: Codes, src1: Codes, constant: Codes
 
 /// 8-bit unorm targets.
 pub(super) fn merge8(inputs: &ColorInputs, vector_width: VectorWidth) -> Steps {
-    let quantize = |color: [f32; 4]| color.map(|x| quantize8(x, vector_width));
+    // An alpha that the target lacks is taken in on its own, bounded at every width.
+    let lacks_alpha = inputs.format.channels()[3] == ChannelKind::Absent;
+    let width = |i: usize| if i == 3 && lacks_alpha { VectorWidth::Bits256 } else { vector_width };
+    let quantize = |color: [f32; 4]| std::array::from_fn(|i| quantize8(color[i], width(i)));
     // Constants are prepared outside the vectorised shader and always bounded.
     let constant = inputs.constant.map(|x| quantize8(x, VectorWidth::Bits256));
     let operands = Operands { src: quantize(inputs.src), src1: quantize(inputs.src1), constant, dst: inputs.dst };

@@ -33,7 +33,7 @@ use super::{ColorInputs, Explanation, NumericModel, Unsupported};
 use crate::format::depth::DepthKind;
 use crate::format::{ChannelKind, Codes, ColorFormat, FloatLayout, TargetClass};
 
-/// Width of the vectors the driver compiles for; it changes the clamp of 8-bit sources.
+/// Width of the vectors the driver compiles for; it changes the clamp of 8-bit sources, and nothing else.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum VectorWidth {
     /// 256 bits: a processor with AVX, the usual case.
@@ -51,17 +51,20 @@ pub struct Llvmpipe {
 }
 
 impl Llvmpipe {
-    /// The code an unblended channel stores for a shader output: the store alone, for sweeps over every `f32`.
+    /// The codes an unblended draw stores for a shader output: the store alone, for sweeps over every `f32`.
     #[must_use]
-    pub fn store(self, kind: ChannelKind, x: f32) -> u32 {
-        match kind {
+    pub fn store(self, format: ColorFormat, src: [f32; 4]) -> Codes {
+        let channels = format.channels();
+        // Alpha beside sRGB channels is stored from the float blender, which clamps at every width.
+        let width = if channels[0] == ChannelKind::Srgb { VectorWidth::Bits256 } else { self.vector_width };
+        std::array::from_fn(|i| match channels[i] {
             ChannelKind::Absent => 0,
-            ChannelKind::Srgb => srgb::encode(srgb::clamp_unit(x)),
-            ChannelKind::Unorm(8) => integer::quantize8(x, self.vector_width),
-            ChannelKind::Unorm(bits) => integer::narrow16(bits, integer::quantize16(x)),
-            ChannelKind::Snorm(bits) => snorm::store_code(x, bits),
-            ChannelKind::Float(layout) => float::store(layout, x),
-        }
+            ChannelKind::Srgb => srgb::encode(srgb::clamp_unit(src[i])),
+            ChannelKind::Unorm(8) => integer::quantize8(src[i], width),
+            ChannelKind::Unorm(bits) => integer::narrow16(bits, integer::quantize16(src[i])),
+            ChannelKind::Snorm(bits) => snorm::store_code(src[i], bits),
+            ChannelKind::Float(layout) => float::store(layout, src[i]),
+        })
     }
 
     /// Every intermediate number and the codes.
@@ -149,16 +152,49 @@ mod tests {
 
     #[test]
     fn the_store_alone_is_what_an_unblended_draw_stores() {
-        let model = Llvmpipe::default();
-        for (name, texture_format) in FORMATS {
-            let format = ColorFormat::new(texture_format).expect("listed");
-            for bits in (0..=u32::MAX).step_by(65_521) {
-                let x = f32::from_bits(bits);
-                let inputs =
-                    ColorInputs { format, blend: None, constant: [0.0; 4], src: [x; 4], src1: [0.0; 4], dst: [0; 4] };
-                let expected = model.merge_color(&inputs);
-                assert_eq!(format.channels().map(|kind| model.store(kind, x)), expected, "{name}, {bits:#x}");
+        for vector_width in [VectorWidth::Bits256, VectorWidth::Bits128] {
+            let model = Llvmpipe { vector_width };
+            for (name, texture_format) in FORMATS {
+                let format = ColorFormat::new(texture_format).expect("listed");
+                for bits in (0..=u32::MAX).step_by(65_521) {
+                    let (src, zeros) = ([f32::from_bits(bits); 4], [0.0; 4]);
+                    let inputs = ColorInputs { format, blend: None, constant: zeros, src, src1: zeros, dst: [0; 4] };
+                    let expected = model.merge_color(&inputs);
+                    assert_eq!(model.store(format, src), expected, "{name}, {vector_width:?}, {bits:#x}");
+                }
             }
+        }
+    }
+
+    #[test]
+    fn narrow_vectors_lose_huge_numbers_in_stored_channels_only() {
+        let inf = [f32::INFINITY; 4];
+        let narrow = Llvmpipe { vector_width: VectorWidth::Bits128 };
+        let codes = |model: Llvmpipe, format, dst_factor| {
+            let both = wgpu_types::BlendComponent {
+                src_factor: BlendFactor::Zero,
+                dst_factor,
+                operation: wgpu_types::BlendOperation::Add,
+            };
+            let inputs = ColorInputs {
+                format: ColorFormat::new(format).expect("known"),
+                blend: Some(BlendState { color: both, alpha: both }),
+                constant: inf,
+                src: inf,
+                src1: inf,
+                dst: [200; 4],
+            };
+            model.merge_color(&inputs)[0]
+        };
+        use BlendFactor as F;
+        for format in [TextureFormat::R8Unorm, TextureFormat::Rg8Unorm, TextureFormat::Rgba8Unorm] {
+            let wide = Llvmpipe::default();
+            assert_eq!([F::Src, F::SrcAlpha].map(|f| codes(wide, format, f)), [200, 200], "{format:?}: 256 bits");
+            assert_eq!(codes(narrow, format, F::Src), 0, "{format:?}: Inf becomes 0");
+            assert_eq!(codes(narrow, format, F::Constant), 200, "{format:?}: constants are prepared elsewhere");
+            let lacks_alpha = format != TextureFormat::Rgba8Unorm;
+            let expected = if lacks_alpha { 200 } else { 0 };
+            assert_eq!(codes(narrow, format, F::Src1Alpha), expected, "{format:?}: alpha the target lacks");
         }
     }
 
