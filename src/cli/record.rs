@@ -8,8 +8,7 @@ use clap::Args;
 
 use super::{Failure, Outcome, output};
 use crate::crosscheck::{Device, OpenOptions, adapter, vector};
-use crate::format::{ColorFormat, layout::FORMATS};
-use crate::vectors::{self, VectorLine};
+use crate::vectors::{self, Kind, Line};
 
 /// Arguments of `vectors record`.
 #[derive(Debug, Args)]
@@ -22,6 +21,9 @@ pub(super) struct Record {
     /// Formats, comma separated; all the adapter renders unless given.
     #[arg(long, value_delimiter = ',', conflicts_with = "input")]
     format: Vec<String>,
+    /// Kinds of lines, comma separated; color unless given, depth where only depth formats are.
+    #[arg(long, value_enum, value_delimiter = ',', conflicts_with = "input")]
+    kind: Vec<Kind>,
     /// Lines for each format.
     #[arg(long, default_value_t = 16, conflicts_with = "input", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     lines: u32,
@@ -41,41 +43,39 @@ impl Record {
         let lines = self.lines()?;
         adapter::reexec_without_shader_cache()?;
         let device = Device::open(&OpenOptions { adapter: self.adapter.clone(), ..OpenOptions::default() })?;
-        let mut not_run = BTreeMap::<(&str, &str), usize>::new();
+        let mut not_run = BTreeMap::<(String, &str), usize>::new();
         output::write_file(&self.output, |file| {
             for mut line in lines {
                 if let Some(reason) = vector::refusal(&device, &line) {
-                    *not_run.entry((line.format.name(), reason)).or_default() += 1;
+                    *not_run.entry((line.group(), reason)).or_default() += 1;
                     continue;
                 }
-                line.out = Some(vector::record(&device, &line)?);
+                vector::record(&device, &mut line)?;
                 writeln!(file, "{}", line.to_json())?;
             }
             Ok(())
         })?;
-        for ((format, reason), lines) in &not_run {
-            output::complain(&format!("not run: {lines} lines of {format}: {reason}"));
+        for ((group, reason), lines) in &not_run {
+            output::complain(&format!("not run: {lines} lines of {group}: {reason}"));
         }
         Ok(Outcome::Fine)
     }
 
     /// The lines to draw, all read before the device is opened.
-    fn lines(&self) -> Result<Vec<VectorLine>, Failure> {
+    fn lines(&self) -> Result<Vec<Line>, Failure> {
         let Some(path) = &self.input else {
-            let names: Vec<&str> = if self.format.is_empty() {
-                FORMATS.iter().map(|(name, _)| *name).collect()
-            } else {
-                self.format.iter().map(String::as_str).collect()
-            };
-            let formats = names.into_iter().map(ColorFormat::from_name).collect::<Result<Vec<_>, _>>()?;
-            return Ok(vectors::generate(self.seed, &formats, self.lines as usize, self.texels as usize).collect());
+            let formats = super::vectors::formats(&self.format)?;
+            let (lines, texels) = (self.lines as usize, self.texels as usize);
+            let kinds = super::vectors::kinds(&self.kind, &formats)?.into_iter();
+            let of = |kind| vectors::generate_kind(kind, self.seed, &formats.0, &formats.1, lines, texels);
+            return Ok(kinds.flat_map(of).collect());
         };
         let mut lines = Vec::new();
         for (number, text) in (1..).zip(output::open(path)?.lines()) {
             let text = text.map_err(|error| format!("{}: {error}", path.display()))?;
             if !text.trim().is_empty() {
                 let wrong = |error| format!("{}: line {number}: {error}", path.display());
-                lines.push(VectorLine::parse(&text).map_err(wrong)?);
+                lines.push(Line::parse(&text).map_err(wrong)?);
             }
         }
         Ok(lines)

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 
 use super::{Failure, Outcome, output};
-use crate::format::{ColorFormat, layout::FORMATS};
+use crate::format::depth::DEPTH_FORMATS;
+use crate::format::{ColorFormat, DepthFormat, layout::FORMATS};
 use crate::model::registry;
-use crate::state::spelling;
-use crate::vectors::{self, Mismatch};
+use crate::vectors::{self, Kind, Mismatch};
 
 /// Subcommands of `vectors`.
 #[derive(Debug, Subcommand)]
@@ -62,6 +62,9 @@ pub(super) struct Generate {
     /// Formats, comma separated; all the model covers unless given.
     #[arg(long, value_delimiter = ',')]
     format: Vec<String>,
+    /// Kinds of lines, comma separated; color unless given, depth where only depth formats are.
+    #[arg(long, value_enum, value_delimiter = ',')]
+    kind: Vec<Kind>,
     /// Lines for each format.
     #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     lines: u32,
@@ -148,25 +151,20 @@ impl Check {
 impl Generate {
     fn run(self) -> Result<Outcome, Failure> {
         let model = registry::by_name(&self.model)?;
-        let names: Vec<String> = if self.format.is_empty() {
-            FORMATS.iter().map(|(name, _)| (*name).to_owned()).collect()
-        } else {
-            self.format.clone()
-        };
-        let mut formats = names.iter().map(|name| ColorFormat::from_name(name)).collect::<Result<Vec<_>, _>>()?;
+        let mut formats = formats(&self.format)?;
         if self.format.is_empty() {
-            formats.retain(|format| model.supports(*format, None).is_ok());
+            formats.0.retain(|format| model.supports(*format, None).is_ok());
         }
         let (lines, texels) = (self.lines as usize, self.texels as usize);
         output::write_file(&self.output, |file| {
-            for mut line in vectors::generate(self.seed, &formats, lines, texels) {
-                if model.supports(line.format, line.blend.as_ref()).is_err() {
-                    // The format without blending is all this model has.
-                    (line.blend, line.src1) = (None, None);
-                    model.supports(line.format, None)?;
+            for kind in kinds(&self.kind, &formats)? {
+                for mut line in vectors::generate_kind(kind, self.seed, &formats.0, &formats.1, lines, texels) {
+                    // The format without blending may be all this model has.
+                    line.reduce_to(model.as_ref());
+                    line.supported(model.as_ref())?;
+                    line.fill(model.as_ref());
+                    writeln!(file, "{}", line.to_json())?;
                 }
-                vectors::fill(model.as_ref(), &mut line);
-                writeln!(file, "{}", line.to_json())?;
             }
             Ok(())
         })?;
@@ -176,30 +174,41 @@ impl Generate {
 
 /// One failing line: its state, and the first texel that differs.
 fn describe(m: &Mismatch) -> String {
-    let inputs = &m.inputs;
-    let equation = |c: &wgpu_types::BlendComponent| {
-        let (src, dst) = (spelling::factor_name(c.src_factor), spelling::factor_name(c.dst_factor));
-        format!("{} {src} {dst}", spelling::operation_name(c.operation))
-    };
-    let state = match &inputs.blend {
-        None => "blending off".to_owned(),
-        Some(blend) => format!("color {}, alpha {}", equation(&blend.color), equation(&blend.alpha)),
-    };
-    let codes = |codes: [u32; 4]| codes.map(|code| format!("{code:#x}")).join(" ");
     format!(
-        "line {}: {} {state}, mask {}: {} of {} texels differ\n  first at texel {}: src {:?}, src1 {:?}, constant {:?}, \
-         dst {}\n  expected {}, got {}\n",
-        m.line,
-        inputs.format.name(),
-        m.mask,
-        m.texels,
-        m.of,
-        m.texel,
-        inputs.src,
-        inputs.src1,
-        inputs.constant,
-        codes(inputs.dst),
-        codes(m.expected),
-        codes(m.got)
+        "line {}: {}: {} of {} texels differ\n  first at texel {}: {}\n  expected {}, got {}\n",
+        m.line, m.state, m.texels, m.of, m.texel, m.inputs, m.expected, m.got
     )
+}
+
+/// The formats a command names, or all: those of color and layers, and those of depth.
+pub(super) fn formats(names: &[String]) -> Result<(Vec<ColorFormat>, Vec<DepthFormat>), Failure> {
+    let (mut colors, mut depths) = (Vec::new(), Vec::new());
+    if names.is_empty() {
+        colors = FORMATS.iter().map(|(_, format)| ColorFormat::new(*format)).collect::<Result<_, _>>()?;
+        depths = DEPTH_FORMATS.iter().map(|(_, format)| DepthFormat::new(*format)).collect::<Result<_, _>>()?;
+    }
+    for name in names {
+        match DepthFormat::from_name(name) {
+            Some(format) => depths.push(format),
+            None => colors.push(ColorFormat::from_name(name)?),
+        }
+    }
+    Ok((colors, depths))
+}
+
+/// The kinds of lines to make; every kind needs a format of its own.
+pub(super) fn kinds(
+    asked: &[Kind],
+    (colors, depths): &(Vec<ColorFormat>, Vec<DepthFormat>),
+) -> Result<Vec<Kind>, Failure> {
+    let has = |kind: &Kind| if *kind == Kind::Depth { !depths.is_empty() } else { !colors.is_empty() };
+    if asked.is_empty() {
+        // Named depth formats ask for depth lines.
+        return Ok(vec![if colors.is_empty() { Kind::Depth } else { Kind::Color }]);
+    }
+    match asked.iter().find(|kind| !has(kind)) {
+        Some(Kind::Depth) => Err("kind `depth` needs a depth format; name one with --format, or none".into()),
+        Some(_) => Err("kinds `color` and `layers` need a color format; name one with --format, or none".into()),
+        None => Ok(asked.to_vec()),
+    }
 }

@@ -128,6 +128,23 @@ struct DepthStencil {
     depth_bias_clamp: f32,
 }
 
+impl From<&DepthStencilState> for DepthStencil {
+    fn from(d: &DepthStencilState) -> Self {
+        Self {
+            format: d.format,
+            depth_write_enabled: d.depth_write_enabled,
+            depth_compare: d.depth_compare,
+            stencil_front: d.stencil.front.into(),
+            stencil_back: d.stencil.back.into(),
+            stencil_read_mask: d.stencil.read_mask,
+            stencil_write_mask: d.stencil.write_mask,
+            depth_bias: d.bias.constant,
+            depth_bias_slope_scale: d.bias.slope_scale,
+            depth_bias_clamp: d.bias.clamp,
+        }
+    }
+}
+
 fn all_bits() -> u32 {
     u32::MAX
 }
@@ -216,6 +233,23 @@ fn numbers(state: &State) -> impl Iterator<Item = (&'static str, f32)> {
     bias.chain(constant).chain(reference)
 }
 
+/// Reads a `GPUDepthStencilState`.
+///
+/// # Errors
+/// [`WebGpuError`].
+pub fn depth_stencil_from_value(value: serde_json::Value) -> Result<DepthStencilState, WebGpuError> {
+    Ok(depth_stencil(serde_json::from_value(value)?))
+}
+
+/// Writes a depth/stencil state in the form [`depth_stencil_from_value`] reads.
+///
+/// # Panics
+/// Never: the object has string keys and plain values only.
+#[must_use]
+pub fn depth_stencil_to_value(state: &DepthStencilState) -> serde_json::Value {
+    serde_json::to_value(DepthStencil::from(state)).expect("plain values serialise")
+}
+
 /// Writes a merger state in the form [`state_from_json`] reads. Scissor and depth range are not part of it.
 ///
 /// # Panics
@@ -231,18 +265,7 @@ pub fn state_to_json(state: &MergerState) -> String {
     };
     let json = State {
         targets: state.targets.iter().map(target).collect(),
-        depth_stencil: state.depth_stencil.as_ref().map(|d| DepthStencil {
-            format: d.format,
-            depth_write_enabled: d.depth_write_enabled,
-            depth_compare: d.depth_compare,
-            stencil_front: d.stencil.front.into(),
-            stencil_back: d.stencil.back.into(),
-            stencil_read_mask: d.stencil.read_mask,
-            stencil_write_mask: d.stencil.write_mask,
-            depth_bias: d.bias.constant,
-            depth_bias_slope_scale: d.bias.slope_scale,
-            depth_bias_clamp: d.bias.clamp,
-        }),
+        depth_stencil: state.depth_stencil.as_ref().map(DepthStencil::from),
         multisample: Multisample {
             count: state.multisample.count,
             mask: u32::try_from(state.multisample.mask & u64::from(u32::MAX)).expect("masked to 32 bits"),

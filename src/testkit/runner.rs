@@ -132,14 +132,14 @@ fn check_vectors(path: &Path, model: &str) -> Result<(), Failed> {
     match first {
         None => Ok(()),
         Some(m) => Err(format!(
-            "{} of {} texels differ from {}; first in line {}, texel {}: source {:?} over {:?} gives {:?}, not {:?}",
+            "{} of {} texels differ from {}; first in line {}, texel {}: {}; {} gives {}, not {}",
             report.total.failed_texels,
             report.total.texels,
             report.model,
             m.line,
             m.texel,
-            m.inputs.src,
-            m.inputs.dst,
+            m.state,
+            m.inputs,
             m.expected,
             m.got
         )

@@ -5,14 +5,14 @@ use std::io::{BufRead, Read, Write};
 
 use serde::Serialize;
 
-use super::{LineError, VectorError, VectorLine};
+use super::{Line, LineError, VectorError, VectorLine};
 use crate::format::{ChannelKind, Codes, ColorFormat};
 use crate::limit::Limits;
 use crate::merger::write_mask;
-use crate::model::{ColorInputs, NumericModel};
+use crate::model::NumericModel;
 
-/// The first texel of a line that differs.
-#[derive(Clone, Debug, PartialEq)]
+/// The first texel of a line that differs, in words.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mismatch {
     /// Line number, from 1.
     pub line: usize,
@@ -22,14 +22,14 @@ pub struct Mismatch {
     pub texels: usize,
     /// Texels of the line.
     pub of: usize,
-    /// What the blender saw.
-    pub inputs: ColorInputs,
-    /// Write mask bits.
-    pub mask: u32,
-    /// The model's codes.
-    pub expected: Codes,
-    /// The line's codes.
-    pub got: Codes,
+    /// Format and state.
+    pub state: String,
+    /// The fragment, and what is stored before.
+    pub inputs: String,
+    /// What the model stores.
+    pub expected: String,
+    /// What the line says.
+    pub got: String,
 }
 
 /// Counts by format.
@@ -52,7 +52,7 @@ pub struct Report {
     pub model: String,
     /// Everything.
     pub total: Checked,
-    /// By format name.
+    /// By format name; layers by `layers ` and the format's.
     pub formats: BTreeMap<String, Checked>,
 }
 
@@ -80,29 +80,19 @@ pub fn check_within(
 ) -> Result<Report, VectorError> {
     let mut report = Report { model: model.name(), ..Report::default() };
     for_each_line(input, limits, |number, line| {
-        let out = line.out.as_ref().ok_or(VectorError::Line { line: number, source: LineError::NoOut })?;
         supported(model, number, &line)?;
-        let mut first = None;
-        let mut texels = 0;
-        for i in 0..line.len() {
-            let (inputs, expected) = run(model, &line, i);
-            let got = line.codes(out, i);
-            if !same_codes(line.format, expected, got) {
-                texels += 1;
-                first.get_or_insert((i, inputs, expected, got));
-            }
-        }
+        let compared = line.compare(model, number);
+        let (texels, first) = compared.ok_or(VectorError::Line { line: number, source: LineError::NoOut })?;
         let mine =
             Checked { lines: 1, failed_lines: usize::from(texels > 0), texels: line.len(), failed_texels: texels };
-        for counts in [&mut report.total, report.formats.entry(line.format.name().to_owned()).or_default()] {
+        for counts in [&mut report.total, report.formats.entry(line.group()).or_default()] {
             counts.lines += mine.lines;
             counts.failed_lines += mine.failed_lines;
             counts.texels += mine.texels;
             counts.failed_texels += mine.failed_texels;
         }
-        if let Some((texel, inputs, expected, got)) = first {
-            let of = line.len();
-            failed(&Mismatch { line: number, texel, texels, of, inputs, mask: line.mask.bits(), expected, got });
+        if let Some(first) = first {
+            failed(&first);
         }
         Ok(())
     })?;
@@ -130,7 +120,7 @@ pub fn apply_within(
     let mut count = 0;
     for_each_line(input, limits, |number, mut line| {
         supported(model, number, &line)?;
-        fill(model, &mut line);
+        line.fill(model);
         writeln!(output, "{}", line.to_json())?;
         count += 1;
         Ok(())
@@ -143,7 +133,8 @@ pub fn fill(model: &dyn NumericModel, line: &mut VectorLine) {
     let each = line.format.bytes_per_texel();
     let mut out = vec![0; line.dst.len()];
     for i in 0..line.len() {
-        let (_, codes) = run(model, line, i);
+        let inputs = line.inputs(i);
+        let codes = write_mask::select(line.mask, inputs.dst, model.merge_color(&inputs));
         line.format.pack(codes, &mut out[i * each..]);
     }
     line.out = Some(out);
@@ -158,22 +149,15 @@ pub fn same_codes(format: ColorFormat, a: Codes, b: Codes) -> bool {
     })
 }
 
-/// The model's result for texel `i`, write mask applied.
-fn run(model: &dyn NumericModel, line: &VectorLine, i: usize) -> (ColorInputs, Codes) {
-    let inputs = line.inputs(i);
-    (inputs, write_mask::select(line.mask, inputs.dst, model.merge_color(&inputs)))
-}
-
-fn supported(model: &dyn NumericModel, number: usize, line: &VectorLine) -> Result<(), VectorError> {
-    let supported = model.supports(line.format, line.blend.as_ref());
-    supported.map_err(|source| VectorError::Unsupported { line: number, source })
+fn supported(model: &dyn NumericModel, number: usize, line: &Line) -> Result<(), VectorError> {
+    line.supported(model).map_err(|source| VectorError::Unsupported { line: number, source })
 }
 
 /// Parses line by line; blank lines are passed over.
 fn for_each_line(
     mut input: impl BufRead,
     limits: &Limits,
-    mut each: impl FnMut(usize, VectorLine) -> Result<(), VectorError>,
+    mut each: impl FnMut(usize, Line) -> Result<(), VectorError>,
 ) -> Result<(), VectorError> {
     let mut bytes = Vec::new();
     for number in 1.. {
@@ -189,7 +173,7 @@ fn for_each_line(
         if text.trim().is_empty() {
             continue;
         }
-        each(number, VectorLine::parse(text).map_err(wrong)?)?;
+        each(number, Line::parse(text).map_err(wrong)?)?;
     }
     Ok(())
 }

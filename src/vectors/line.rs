@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use wgpu_types::{BlendComponent, BlendState, ColorWrites};
 
+use super::bytes::{bytes, color_hex, colors};
 use super::hex;
 use crate::format::{Codes, ColorFormat, FormatError};
 use crate::model::ColorInputs;
@@ -42,8 +43,49 @@ pub enum LineError {
     #[error("byte {0} of the line is not UTF-8 text")]
     Utf8(usize),
     /// An unknown kind of line.
-    #[error("unknown line kind `{0}`; this version reads color vectors, which have no `kind`")]
+    #[error("unknown line kind `{0}`; it must be `color` (or left out), `depth` or `layers`")]
     Kind(String),
+    /// A line of one kind where another is wanted.
+    #[error("a line of kind `{0}` where one of another kind is wanted")]
+    OtherKind(&'static str),
+    /// The depth/stencil state of a depth line.
+    #[error("`state`: {0}")]
+    State(#[from] crate::state::webgpu::WebGpuError),
+    /// Depth bias acts on rasterised depth only.
+    #[error("`state`: depth bias acts on rasterised depth, and a line's fragments bring their own; leave it out")]
+    Bias,
+    /// A range that is no part of [0, 1].
+    #[error("`range`: [{0}, {1}] is no range of depth; it must be two numbers with 0 <= min <= max <= 1")]
+    Range(f32, f32),
+    /// A byte that is neither 0 nor 1.
+    #[error("`{member}`: texel {texel} is neither 00 nor 01")]
+    Flag {
+        /// The member.
+        member: &'static str,
+        /// Index of the texel.
+        texel: usize,
+    },
+    /// A depth code wider than the format's.
+    #[error("`{member}`: texel {texel} has depth code {code:#x}, the format has 24 bits")]
+    DepthCode {
+        /// The member.
+        member: &'static str,
+        /// Index of the texel.
+        texel: usize,
+        /// The code.
+        code: u32,
+    },
+    /// A scene without layers.
+    #[error("`layers` is empty; there must be at least one")]
+    NoLayers,
+    /// Something is wrong with one layer.
+    #[error("layer {layer}: {source}")]
+    Layer {
+        /// Index of the layer, from 0.
+        layer: usize,
+        /// What.
+        source: Box<LineError>,
+    },
     /// Unknown format.
     #[error("`format`: {0}")]
     Format(#[from] FormatError),
@@ -101,6 +143,23 @@ struct RawLine {
     out: Option<String>,
 }
 
+/// One draw of a line of kind `layers`; a color line has the same members.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawDraw {
+    #[serde(default)]
+    blend: Option<RawBlend>,
+    #[serde(default = "all_channels")]
+    mask: u32,
+    #[serde(default)]
+    constant: Option<String>,
+    #[serde(default)]
+    dual: bool,
+    src: String,
+    #[serde(default)]
+    src1: Option<String>,
+}
+
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RawBlend {
@@ -120,17 +179,24 @@ fn all_channels() -> u32 {
     ColorWrites::ALL.bits()
 }
 
-impl VectorLine {
-    /// Parses one line.
-    ///
-    /// # Errors
-    /// [`LineError`], naming the member.
-    pub fn parse(text: &str) -> Result<Self, LineError> {
-        let raw: RawLine = serde_json::from_str(text)?;
-        if let Some(kind) = raw.kind.filter(|kind| kind != "color") {
-            return Err(LineError::Kind(kind));
-        }
-        let format = ColorFormat::from_name(&raw.format)?;
+/// The state of one draw and the fragments of every texel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColorDraw {
+    /// The blend state; `None` is blending off.
+    pub blend: Option<BlendState>,
+    /// The write mask.
+    pub mask: ColorWrites,
+    /// The blend constant.
+    pub constant: [f32; 4],
+    /// Fragment output 0 of each texel.
+    pub src: Vec<[f32; 4]>,
+    /// The second source of each texel; `None` without dual-source blending.
+    pub src1: Option<Vec<[f32; 4]>>,
+}
+
+impl ColorDraw {
+    /// `count` is the number of texels where it is known.
+    pub(super) fn read(raw: RawDraw, count: Option<usize>) -> Result<Self, LineError> {
         let component = |c: RawComponent| -> Result<BlendComponent, SpellingError> {
             Ok(BlendComponent {
                 src_factor: spelling::blend_factor(&c.src)?,
@@ -143,7 +209,7 @@ impl VectorLine {
             Some(blend) => Some(BlendState { color: component(blend.color)?, alpha: component(blend.alpha)? }),
         };
         let mask = ColorWrites::from_bits(raw.mask).ok_or(LineError::Mask(raw.mask))?;
-        let src = colors("src", &raw.src, None)?;
+        let src = colors("src", &raw.src, count)?;
         if raw.dual != raw.src1.is_some() {
             return Err(LineError::Dual);
         }
@@ -152,6 +218,56 @@ impl VectorLine {
             None => [0.0; 4],
             Some(text) => colors("constant", &text, Some(1))?[0],
         };
+        Ok(Self { blend, mask, constant, src, src1 })
+    }
+
+    pub(super) fn write(&self) -> RawDraw {
+        let component = |c: &BlendComponent| RawComponent {
+            src: spelling::factor_name(c.src_factor).to_owned(),
+            dst: spelling::factor_name(c.dst_factor).to_owned(),
+            op: spelling::operation_name(c.operation).to_owned(),
+        };
+        RawDraw {
+            blend: self.blend.map(|b| RawBlend { color: component(&b.color), alpha: component(&b.alpha) }),
+            mask: self.mask.bits(),
+            constant: Some(color_hex(&[self.constant])),
+            dual: self.src1.is_some(),
+            src: color_hex(&self.src),
+            src1: self.src1.as_deref().map(color_hex),
+        }
+    }
+
+    /// What the blender sees of texel `i` over these codes.
+    ///
+    /// # Panics
+    /// When there is no such texel.
+    #[must_use]
+    pub fn inputs(&self, format: ColorFormat, i: usize, dst: Codes) -> ColorInputs {
+        ColorInputs {
+            format,
+            blend: self.blend,
+            constant: self.constant,
+            src: self.src[i],
+            src1: self.src1.as_ref().map_or([0.0; 4], |src1| src1[i]),
+            dst,
+        }
+    }
+}
+
+impl VectorLine {
+    /// Parses one line.
+    ///
+    /// # Errors
+    /// [`LineError`], naming the member.
+    pub fn parse(text: &str) -> Result<Self, LineError> {
+        let raw: RawLine = serde_json::from_str(text)?;
+        if let Some(kind) = raw.kind.filter(|kind| kind != "color") {
+            return Err(LineError::Kind(kind));
+        }
+        let format = ColorFormat::from_name(&raw.format)?;
+        let RawLine { blend, mask, constant, dual, src, src1, .. } = raw;
+        let ColorDraw { blend, mask, constant, src, src1 } =
+            ColorDraw::read(RawDraw { blend, mask, constant, dual, src, src1 }, None)?;
         let expected = src.len() * format.bytes_per_texel();
         let dst = bytes("dst", &raw.dst, expected)?;
         let out = raw.out.map(|text| bytes("out", &text, expected)).transpose()?;
@@ -164,24 +280,32 @@ impl VectorLine {
     /// Never: the object has string keys only.
     #[must_use]
     pub fn to_json(&self) -> String {
-        let component = |c: &BlendComponent| RawComponent {
-            src: spelling::factor_name(c.src_factor).to_owned(),
-            dst: spelling::factor_name(c.dst_factor).to_owned(),
-            op: spelling::operation_name(c.operation).to_owned(),
-        };
+        let RawDraw { blend, mask, constant, dual, src, src1 } = self.draw().write();
         let raw = RawLine {
             kind: None,
             format: self.format.name().to_owned(),
-            blend: self.blend.map(|b| RawBlend { color: component(&b.color), alpha: component(&b.alpha) }),
-            mask: self.mask.bits(),
-            constant: Some(color_hex(&[self.constant])),
-            dual: self.src1.is_some(),
-            src: color_hex(&self.src),
-            src1: self.src1.as_deref().map(color_hex),
+            blend,
+            mask,
+            constant,
+            dual,
+            src,
+            src1,
             dst: hex::encode(&self.dst),
             out: self.out.as_deref().map(hex::encode),
         };
         serde_json::to_string(&raw).expect("plain strings and numbers serialise")
+    }
+
+    /// State and fragments alone.
+    #[must_use]
+    pub fn draw(&self) -> ColorDraw {
+        ColorDraw {
+            blend: self.blend,
+            mask: self.mask,
+            constant: self.constant,
+            src: self.src.clone(),
+            src1: self.src1.clone(),
+        }
     }
 
     /// Number of texels.
@@ -218,29 +342,4 @@ impl VectorLine {
         let each = self.format.bytes_per_texel();
         self.format.unpack(&texels[i * each..(i + 1) * each])
     }
-}
-
-/// A byte string of a known length.
-fn bytes(member: &'static str, text: &str, expected: usize) -> Result<Vec<u8>, LineError> {
-    let bytes = hex::decode(text).map_err(|at| LineError::Hex { member, at })?;
-    if bytes.len() != expected {
-        return Err(LineError::Length { member, got: bytes.len(), expected });
-    }
-    Ok(bytes)
-}
-
-/// n x 4 binary32; `count` where the number of colors is known.
-fn colors(member: &'static str, text: &str, count: Option<usize>) -> Result<Vec<[f32; 4]>, LineError> {
-    let bytes = hex::decode(text).map_err(|at| LineError::Hex { member, at })?;
-    let expected = count.map_or(bytes.len().next_multiple_of(16), |count| 16 * count);
-    if bytes.len() != expected {
-        return Err(LineError::Length { member, got: bytes.len(), expected });
-    }
-    let float = |c: &[u8], i: usize| f32::from_le_bytes([c[4 * i], c[4 * i + 1], c[4 * i + 2], c[4 * i + 3]]);
-    Ok(bytes.chunks_exact(16).map(|c| std::array::from_fn(|i| float(c, i))).collect())
-}
-
-fn color_hex(colors: &[[f32; 4]]) -> String {
-    let bytes: Vec<u8> = colors.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
-    hex::encode(&bytes)
 }

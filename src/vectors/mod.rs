@@ -15,15 +15,26 @@
 //!
 //! `blend` may be `null` (blending off). Factor and operation names are WebGPU's; raw texels are in the format's memory
 //! layout. Where results are compared, any NaN of a float channel equals any NaN.
+//!
+//! Lines with `"kind":"depth"` ([`DepthLine`]) and `"kind":"layers"` ([`LayersLine`]) are of the same spirit; the
+//! repository's `docs/vectors.md` describes all three.
 
+mod bytes;
 mod check;
+mod depth;
+mod describe;
 mod generate;
 mod hex;
+mod kind;
+mod layers;
 mod line;
 
 pub use check::{Checked, Mismatch, Report, apply, apply_within, check, check_within, fill, same_codes};
-pub use generate::{Generator, generate};
-pub use line::{LineError, VectorLine};
+pub use depth::DepthLine;
+pub use generate::{Generator, generate, generate_kind};
+pub use kind::{Kind, Line};
+pub use layers::LayersLine;
+pub use line::{ColorDraw, LineError, VectorLine};
 
 /// A vector file that cannot be used.
 #[derive(Debug, thiserror::Error)]

@@ -11,6 +11,19 @@ const LINE: &str = concat!(
     r#""dual":false,"src":"0000803f0000003f000000000000003f","src1":null,"dst":"7f7f7fff","out":"bf7f4080"}"#
 );
 
+const DEPTH: &str = concat!(
+    r#"{"kind":"depth","state":{"format":"depth24plus-stencil8","depthCompare":"less","depthWriteEnabled":true,"#,
+    r#""stencilFront":{"depthFailOp":"increment-clamp","passOp":"replace"}},"reference":7,"#,
+    r#""z":"0000803e0000403f","dst":"0000800003000080000a","out":"0000400007000080000b","passed":"0100"}"#
+);
+
+const LAYERS: &str = concat!(
+    r#"{"kind":"layers","format":"r8unorm","layers":[{"src":"0000803f000000000000000000000000"},"#,
+    r#"{"blend":{"color":{"src":"src-alpha","dst":"one-minus-src-alpha","op":"add"},"#,
+    r#""alpha":{"src":"one","dst":"zero","op":"add"}},"src":"0000000000000000000000000000003f"}],"#,
+    r#""dst":"00","out":"80"}"#
+);
+
 fn check(content: &str) -> Command {
     let mut command = outmerge(&["vectors", "check", "--model", "exact", "-"]);
     command.write_stdin(content.to_owned());
@@ -68,4 +81,87 @@ fn generated_vectors_pass_their_own_model_and_fail_another() {
     assert_eq!(output.status.code(), Some(1), "the driver is not exact");
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     assert!(json["formats"]["rgba8unorm"]["failed_texels"].as_u64() > Some(0), "8-bit codes differ: {json}");
+}
+
+#[test]
+fn lines_of_every_kind_hold_and_say_what_differs() {
+    check(&format!("{LINE}\n{DEPTH}\n{LAYERS}\n"))
+        .assert()
+        .code(0)
+        .stdout(predicate::str::contains("depth24plus-stencil8").and(predicate::str::contains("layers r8unorm")));
+    for (wrong, expected) in [
+        (DEPTH.replace("0000400007", "0000400008"), "expected depth 0x400000 stencil 7 passed, got"),
+        (DEPTH.replace(r#""passed":"0100""#, r#""passed":"0101""#), "failed, got depth 0x800000 stencil 11 passed"),
+        (LAYERS.replace(r#""out":"80""#, r#""out":"7f""#), "expected 0x80 0x0 0x0 0x0, got 0x7f"),
+    ] {
+        let output = check(&wrong).output().expect("runs");
+        let stdout = String::from_utf8_lossy(&output.stdout);
+        assert_eq!(output.status.code(), Some(1), "{wrong}: {stdout}");
+        assert!(stdout.contains("line 1") && stdout.contains(expected), "{wrong}: {stdout}");
+    }
+}
+
+#[test]
+fn malformed_depth_and_layers_lines_are_named() {
+    for (wrong, expected) in [
+        (DEPTH.replace("\"depth\"", "\"dept\""), "dept"),
+        (DEPTH.replace("depth24plus-stencil8", "rgba8unorm"), "depth/stencil"),
+        (DEPTH.replace("\"less\"", "\"lesser\""), "lesser"),
+        (DEPTH.replace("\"reference\":7", "\"reference\":700"), "u8"),
+        (DEPTH.replace("\"depthWriteEnabled\":true", "\"depthBias\":1"), "bias"),
+        (DEPTH.replace("0000803e0000403f", "0000803e0000403f00"), "z"),
+        (DEPTH.replace("0000800003000080000a", "0000800103000080000a"), "24 bits"),
+        (DEPTH.replace("\"z\"", "\"range\":\"0000803f00000000\",\"z\""), "range"),
+        (DEPTH.replace("\"passed\":\"0100\"", "\"passed\":\"0200\""), "passed"),
+        (DEPTH.replace(",\"out\":\"0000400007000080000b\"", ""), "out"),
+        (LAYERS.replace("one-minus-src-alpha", "one-minus-alpha"), "layer 1"),
+        (LAYERS.replace("0000000000000000000000000000003f", ""), "layer 1"),
+        (LAYERS.replace("\"dst\":\"00\"", "\"dst\":\"0000\""), "dst"),
+        (r#"{"kind":"layers","format":"r8unorm","layers":[],"dst":""}"#.to_owned(), "layers"),
+    ] {
+        let output = check(&format!("{LINE}\n{wrong}\n")).output().expect("runs");
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{wrong}: {stderr}");
+        assert!(stderr.contains("line 2") && stderr.contains(expected), "{wrong}: {stderr}");
+    }
+}
+
+#[test]
+fn every_kind_is_generated_applied_and_checked() {
+    let folder = TempDir::new().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+    let (made, again) = (path("made.jsonl"), path("again.jsonl"));
+    let generate = ["vectors", "generate", "-m", "llvmpipe", "--kind", "depth,layers", "--lines", "4", "--texels", "64"];
+    outmerge(&generate).args(["-o", &made]).assert().success();
+    outmerge(&["vectors", "check", "-m", "llvmpipe", &made]).assert().code(0);
+    outmerge(&["vectors", "apply", "-m", "exact", &made, "-o", &again]).assert().success();
+    outmerge(&["vectors", "check", "-m", "exact", &again]).assert().code(0);
+    let output = outmerge(&["vectors", "check", "-m", "llvmpipe", "--report", &again]).output().expect("runs");
+    assert_eq!(output.status.code(), Some(1), "the models differ in depth and in layers");
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    for group in ["depth16unorm", "depth32float", "layers rgba8unorm"] {
+        assert!(json["formats"][group]["failed_texels"].as_u64() > Some(0), "{group}: {json}");
+    }
+    let depth = ["vectors", "generate", "-m", "exact", "--kind", "depth", "--format", "rgba8unorm", "-o", "-"];
+    fails(&depth, "depth format");
+}
+
+#[test]
+fn the_pages_examples_hold() {
+    let page = include_str!("../../docs/vectors.md");
+    let examples: Vec<String> = page
+        .split("```")
+        .skip(1)
+        .step_by(2)
+        .filter_map(|block| block.strip_prefix("json\n"))
+        .map(|block| block.lines().map(str::trim).collect())
+        .collect();
+    assert_eq!(examples.len(), 3, "one example a kind");
+    for (example, kind) in examples.iter().zip(["\"format\"", "\"kind\":\"depth\"", "\"kind\":\"layers\""]) {
+        assert!(example.contains(kind), "{kind}: {example}");
+        for model in ["exact", "llvmpipe"] {
+            let mut command = outmerge(&["vectors", "check", "--model", model, "-"]);
+            command.write_stdin(example.clone()).assert().code(0);
+        }
+    }
 }
