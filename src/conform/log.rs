@@ -68,6 +68,8 @@ impl Log {
                 if serde_json::from_str::<Value>(&line).map_err(damaged)? != header(run) {
                     return Err(LogError::Foreign { path: path.to_owned() });
                 }
+            } else if number > 1 && serde_json::from_str::<Value>(&line).is_ok_and(|value| value == header(run)) {
+                // Two processes that began the log at the same moment.
             } else {
                 let unit: UnitOutcome = serde_json::from_str(&line).map_err(damaged)?;
                 units.insert(unit.unit.clone(), unit);
@@ -76,7 +78,7 @@ impl Log {
         }
         file.set_len(good).map_err(io)?;
         if good == 0 {
-            writeln!(file, "{}", header(run)).map_err(io)?;
+            file.write_all(format!("{}\n", header(run)).as_bytes()).map_err(io)?;
         }
         Ok((Self { path: path.to_owned(), file }, units))
     }
@@ -90,8 +92,9 @@ impl Log {
             return Ok(());
         }
         let io = |source| LogError::Io { path: self.path.clone(), source };
-        let line = serde_json::to_string(unit).map_err(|error| io(error.into()))?;
-        writeln!(self.file, "{line}").map_err(io)
+        let line = serde_json::to_string(unit).map_err(|error| io(error.into()))? + "\n";
+        // One write, so that lines of two processes on one log do not mix.
+        self.file.write_all(line.as_bytes()).map_err(io)
     }
 }
 
@@ -149,6 +152,19 @@ mod tests {
         drop(log);
         let (_, known) = Log::open(&path, &results()).expect("still whole");
         assert_eq!(known.keys().collect::<Vec<_>>(), ["one", "three"], "no line swallowed");
+    }
+
+    #[test]
+    fn two_processes_that_begin_a_log_together_leave_it_readable() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let path = dir.path().join("log");
+        let (mut log, _) = Log::open(&path, &results()).expect("a new log");
+        // What the other process writes that found the log empty as well.
+        let mut other = OpenOptions::new().append(true).open(&path).expect("there");
+        other.write_all(format!("{}\n", header(&results())).as_bytes()).expect("written");
+        log.add(&unit("one")).expect("written");
+        let (_, known) = Log::open(&path, &results()).expect("a second header is none of a foreign run");
+        assert_eq!(known.keys().collect::<Vec<_>>(), ["one"], "what was finished");
     }
 
     #[test]

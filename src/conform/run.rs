@@ -116,7 +116,7 @@ pub(super) fn texel(format: ColorFormat, bytes: &[u8], i: usize) -> Codes {
 
 /// Runs units in order and hands each outcome to `done`, which may end the run.
 ///
-/// A unit the device refuses counts as not run, with the reason; so do the units after a fault of the device.
+/// A unit the device refuses counts as not run, with the reason; so do all units after the device was lost or hung.
 pub fn run(
     device: &Device,
     subjects: &[Subject],
@@ -128,7 +128,9 @@ pub fn run(
         let outcome = match &fault {
             Some(reason) => UnitOutcome::not_run(unit, format!("the device failed before: {reason}")),
             None => run_unit(device, subjects, unit).unwrap_or_else(|error| {
-                if let ReplayError::Device(device_fault) = &error {
+                if let ReplayError::Device(device_fault) = &error
+                    && device_fault.is_final()
+                {
                     fault = Some(device_fault.to_string());
                 }
                 UnitOutcome::not_run(unit, error.to_string())

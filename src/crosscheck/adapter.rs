@@ -65,6 +65,8 @@ pub struct OpenOptions {
     pub adapter: Option<String>,
     /// Features to insist on; others that states may need are taken when present.
     pub required_features: Features,
+    /// Features to do without even where the adapter has them: a poorer device, to see what is then left out.
+    pub declined_features: Features,
     /// Accept Mesa's shader cache (see the module's page).
     pub allow_shader_cache: bool,
     /// Longest wait for one submission before the device counts as hung.
@@ -76,6 +78,7 @@ impl Default for OpenOptions {
         Self {
             adapter: None,
             required_features: Features::empty(),
+            declined_features: Features::empty(),
             allow_shader_cache: false,
             timeout: Duration::from_secs(60),
         }

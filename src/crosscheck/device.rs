@@ -40,6 +40,14 @@ pub enum DeviceError {
     Internal(String),
 }
 
+impl DeviceError {
+    /// Whether the device is of no use afterwards. Anything else concerns only what was asked last.
+    #[must_use]
+    pub fn is_final(&self) -> bool {
+        matches!(self, Self::Lost(_) | Self::Timeout(_))
+    }
+}
+
 /// The first fault since the last look.
 #[derive(Clone, Debug, Default)]
 struct Faults(Arc<Mutex<Option<DeviceError>>>);
@@ -47,14 +55,17 @@ struct Faults(Arc<Mutex<Option<DeviceError>>>);
 impl Faults {
     fn note(&self, fault: DeviceError) {
         let mut slot = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        slot.get_or_insert(fault);
+        match &*slot {
+            Some(known) if known.is_final() || !fault.is_final() => {}
+            _ => *slot = Some(fault),
+        }
     }
 
     fn take(&self) -> Result<(), DeviceError> {
         let mut slot = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         match &*slot {
-            // Neither heals: every later use fails the same way.
-            Some(fault @ (DeviceError::Lost(_) | DeviceError::Timeout(_))) => Err(fault.clone()),
+            // Every later use fails the same way.
+            Some(fault) if fault.is_final() => Err(fault.clone()),
             Some(_) => slot.take().map_or(Ok(()), Err),
             None => Ok(()),
         }
@@ -90,7 +101,8 @@ impl Device {
         }
         let request = adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("outmerge"),
-            required_features: options.required_features | (adapter.features() & USEFUL_FEATURES),
+            required_features: options.required_features
+                | (adapter.features() & USEFUL_FEATURES - options.declined_features),
             required_limits: adapter.limits(),
             ..wgpu::DeviceDescriptor::default()
         });
@@ -185,6 +197,12 @@ impl Device {
             }
             Err(error) => Err(DeviceError::Internal(error.to_string())),
         }
+    }
+
+    /// Takes the device away, as a driver does that loses it: every later use fails with [`DeviceError::Lost`].
+    pub fn lose(&self) {
+        self.faults.note(DeviceError::Lost("it was taken away".to_owned()));
+        self.device.destroy();
     }
 
     /// Reports the first fault since the last look, without waiting.

@@ -6,12 +6,14 @@
 //! - [`batch`], [`record`], [`painter`]: layers of fragments, checked, laid out for the device, and drawn in one pass;
 //! - [`upload`], [`readback`]: target bytes to the device and back, exactly;
 //! - [`replay`]: a batch of layers over given targets, and the bytes afterwards;
+//! - [`clear`]: what `LoadOp::Clear` stores;
 //! - [`sweep`], [`program`]: the fast path, fragments uploaded once or computed on the device;
 //! - `scene`: the fragments of a scene as a batch; `raster`, `drawn`: what the device's own rasteriser makes of its
 //!   triangles, and whole scenes drawn by the device, shading included (feature `scene`).
 
 pub mod adapter;
 pub mod batch;
+pub mod clear;
 pub mod device;
 #[cfg(feature = "scene")]
 pub mod drawn;

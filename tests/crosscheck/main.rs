@@ -6,6 +6,7 @@
 
 mod depth;
 mod depth_stencil;
+mod faults;
 #[cfg(feature = "scene")]
 mod drawn;
 mod formats;

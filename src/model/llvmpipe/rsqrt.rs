@@ -2,7 +2,7 @@
 //!
 //! The instruction's results are the maker's choice within 1.5 * 2^-12; this table records one processor's. Over [1, 4)
 //! it has 2048 steps of 8192 consecutive numbers, and it scales exactly with even powers of two. The table is recomputed
-//! from the running processor by `tests/rsqrt_table.rs`, which says whether the two agree.
+//! from the running processor by `tests/rsqrt_table.rs`.
 
 /// The processor the table was recorded on.
 pub const RSQRT_CPU: &str = "Intel Xeon, family 6 model 207 (Sapphire/Emerald Rapids)";
