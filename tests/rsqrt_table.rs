@@ -25,7 +25,12 @@ fn the_recorded_table_is_this_processors_or_another_makers() {
     }
     let processor = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     if processor.contains("GenuineIntel") {
-        assert!(differ.is_empty(), "{} of {tried} differ from {RSQRT_CPU}, first at {:?}", differ.len(), differ.first());
+        assert!(
+            differ.is_empty(),
+            "{} of {tried} differ from {RSQRT_CPU}, first at {:?}",
+            differ.len(),
+            differ.first()
+        );
     } else {
         println!("{} of {tried} estimates differ from {RSQRT_CPU}; this processor is of another maker", differ.len());
     }

@@ -178,7 +178,8 @@ impl Sweep {
         }
         if let Err(fault) = device.check() {
             let missing = results.units.iter().filter(|unit| unit.not_run.is_some()).count();
-            let hint = if self.log.is_some() { "the log keeps the others" } else { "with --log the others would be kept" };
+            let hint =
+                if self.log.is_some() { "the log keeps the others" } else { "with --log the others would be kept" };
             return Err(format!("{fault}; {missing} units were not run, {hint}").into());
         }
         let failed = results.totals().values().any(|total| total.mismatches > 0 || total.states == 0);

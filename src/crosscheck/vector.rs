@@ -1,6 +1,8 @@
 //! Test vectors from a live device: what it stores for a line's inputs.
 
-use wgpu_types::{BlendState, ColorTargetState, ColorWrites, CompareFunction, DepthStencilState, StencilState, TextureFormat};
+use wgpu_types::{
+    BlendState, ColorTargetState, ColorWrites, CompareFunction, DepthStencilState, StencilState, TextureFormat,
+};
 
 use super::{Batch, Device, Layer, Replay, ReplayError};
 use crate::format::ColorFormat;
@@ -30,10 +32,9 @@ pub fn refusal(device: &Device, line: &Line) -> Option<&'static str> {
     };
     match line {
         Line::Color(line) => blends(line.format, line.blend.as_ref(), line.src1.is_some()),
-        Line::Layers(line) => line
-            .layers
-            .iter()
-            .find_map(|layer| blends(line.format, layer.blend.as_ref(), layer.src1.is_some())),
+        Line::Layers(line) => {
+            line.layers.iter().find_map(|layer| blends(line.format, layer.blend.as_ref(), layer.src1.is_some()))
+        }
         Line::Depth(line) => (!device.renders(line.format.texture_format()) || !device.renders(TextureFormat::R8Unorm))
             .then_some("the adapter does not render this format"),
     }

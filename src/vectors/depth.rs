@@ -170,12 +170,7 @@ fn depth_bytes(format: DepthFormat) -> usize {
     }
 }
 
-fn unpack(
-    format: DepthFormat,
-    member: &'static str,
-    texel: usize,
-    bytes: &[u8],
-) -> Result<DepthStencil, LineError> {
+fn unpack(format: DepthFormat, member: &'static str, texel: usize, bytes: &[u8]) -> Result<DepthStencil, LineError> {
     let (depth, stencil) = bytes.split_at(depth_bytes(format));
     let mut word = [0; 4];
     word[..depth.len()].copy_from_slice(depth);

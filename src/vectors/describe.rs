@@ -81,8 +81,11 @@ fn stored(format: DepthFormat, stored: DepthStencil) -> String {
 
 /// Every layer's state.
 pub(super) fn layers_state(line: &LayersLine) -> String {
-    let states: Vec<String> =
-        line.layers.iter().map(|layer| format!("{}, mask {}", equations(layer.blend.as_ref()), layer.mask.bits())).collect();
+    let states: Vec<String> = line
+        .layers
+        .iter()
+        .map(|layer| format!("{}, mask {}", equations(layer.blend.as_ref()), layer.mask.bits()))
+        .collect();
     format!("{} layers: {}", line.format.name(), states.join("; "))
 }
 

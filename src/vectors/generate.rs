@@ -115,7 +115,8 @@ impl Generator {
 
     /// A fragment's depth: codes and ties, give or take an ulp; uniform; out of range; something extreme.
     fn z(&mut self, format: DepthFormat) -> f32 {
-        const SPECIAL: [f32; 10] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -0.0, 1e-45, 1e-40, -0.5, 1.5, 1.0, 0.0];
+        const SPECIAL: [f32; 10] =
+            [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -0.0, 1e-45, 1e-40, -0.5, 1.5, 1.0, 0.0];
         let bits = match format.depth() {
             Some(DepthKind::Unorm(bits)) => bits,
             _ => 8,

@@ -158,7 +158,9 @@ impl Line {
                     if !same_codes(line.format, expected, got) {
                         let state = describe::color_state(line.format, line.blend.as_ref(), line.mask);
                         let codes = (describe::codes(expected), describe::codes(got));
-                        differs(&|| mismatch(i, state.clone(), describe::inputs(&inputs), codes.0.clone(), codes.1.clone()));
+                        differs(&|| {
+                            mismatch(i, state.clone(), describe::inputs(&inputs), codes.0.clone(), codes.1.clone())
+                        });
                     }
                 }
             }
@@ -182,7 +184,8 @@ impl Line {
                     let (expected, got) = (line.run(model, i), line.codes(out, i));
                     if !same_codes(line.format, expected, got) {
                         differs(&|| {
-                            let (state, inputs) = (describe::layers_state(line), describe::layers_inputs(line, model, i));
+                            let (state, inputs) =
+                                (describe::layers_state(line), describe::layers_inputs(line, model, i));
                             mismatch(i, state, inputs, describe::codes(expected), describe::codes(got))
                         });
                     }

@@ -131,7 +131,8 @@ fn every_kind_is_generated_applied_and_checked() {
     let folder = TempDir::new().expect("a temporary folder");
     let path = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
     let (made, again) = (path("made.jsonl"), path("again.jsonl"));
-    let generate = ["vectors", "generate", "-m", "llvmpipe", "--kind", "depth,layers", "--lines", "4", "--texels", "64"];
+    let generate =
+        ["vectors", "generate", "-m", "llvmpipe", "--kind", "depth,layers", "--lines", "4", "--texels", "64"];
     outmerge(&generate).args(["-o", &made]).assert().success();
     outmerge(&["vectors", "check", "-m", "llvmpipe", &made]).assert().code(0);
     outmerge(&["vectors", "apply", "-m", "exact", &made, "-o", &again]).assert().success();

@@ -6,9 +6,9 @@
 
 mod depth;
 mod depth_stencil;
-mod faults;
 #[cfg(feature = "scene")]
 mod drawn;
+mod faults;
 mod formats;
 mod harness;
 mod layers;
