@@ -102,7 +102,7 @@ impl Device {
         let request = adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("outmerge"),
             required_features: options.required_features
-                | (adapter.features() & USEFUL_FEATURES - options.declined_features),
+                | ((adapter.features() & USEFUL_FEATURES) - options.declined_features),
             required_limits: adapter.limits(),
             ..wgpu::DeviceDescriptor::default()
         });
