@@ -32,6 +32,7 @@ pub fn generate<'a>(
 }
 
 /// Lines of one kind for each format of that kind, in turn, without results. Equal seeds give equal lines.
+#[must_use]
 pub fn generate_kind(
     kind: Kind,
     seed: u64,
