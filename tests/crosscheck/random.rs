@@ -111,7 +111,7 @@ fn config(cases: u32) -> Config {
 }
 
 /// A case that fails, with the difference, shrunk.
-type Failed = (String, Layers);
+type Failed = Box<(String, Layers)>;
 
 fn run(
     device: &Device,
@@ -133,16 +133,15 @@ fn run(
                 }
             }
             let reason = same_bytes(&replay, model, &case).expect_err("it failed before");
-            Err((reason.to_string(), case))
+            Err(Box::new((reason.to_string(), case)))
         }
     }
 }
 
 /// Runs this many random cases; a failure tells the states and every fragment that is not plain.
 fn holds(device: &Device, cases: u32, strategy: &impl Strategy<Value = Layers>) {
-    let Err((reason, case)) = run(device, &Llvmpipe::default(), TestRunner::new(config(cases)), strategy) else {
-        return;
-    };
+    let Err(failed) = run(device, &Llvmpipe::default(), TestRunner::new(config(cases)), strategy) else { return };
+    let (reason, case) = *failed;
     let mut text = format!("{reason}\n");
     for (location, color) in case.before.colors.iter().enumerate() {
         text += &format!("target {location} before: {:02x?}\n", color.as_ref().map(ColorTarget::bytes));
@@ -181,7 +180,7 @@ fn another_model_fails_and_the_case_shrinks_to_one_draw() {
     let states = blending_state().prop_filter("a normalised target", unorm);
     let strategy = layers(states, Extent::new(4, 4).expect("legal"), 0..=3, |state| fit(device, state));
     let runner = TestRunner::new_with_rng(config(64), TestRng::deterministic_rng(RngAlgorithm::ChaCha));
-    let (reason, case) = run(device, &Exact::default(), runner, &strategy).expect_err("the driver is not exact");
+    let (reason, case) = *run(device, &Exact::default(), runner, &strategy).expect_err("the driver is not exact");
     assert!(reason.contains("target 0"), "{reason}");
     assert_eq!(case.draws.len(), 1, "one draw is enough to tell: {reason}");
 }
