@@ -1,8 +1,8 @@
 //! The processor's reciprocal square root estimate (x86 `RSQRTPS`), which the driver's sRGB encode is built on.
 //!
 //! The instruction's results are the maker's choice within 1.5 * 2^-12; this table records one processor's. Over [1, 4)
-//! it has 2048 steps of 8192 consecutive numbers, and it scales exactly with even powers of two. The table is recomputed
-//! from the running processor by `tests/rsqrt_table.rs`.
+//! it has 2048 steps of 8192 consecutive numbers, and it scales exactly with even powers of two. The store sweep of rgba8unorm-srgb
+//! (`outmerge conform --level exhaustive`) goes through every step of it.
 
 /// The processor the table was recorded on.
 pub const RSQRT_CPU: &str = "Intel Xeon, family 6 model 207 (Sapphire/Emerald Rapids)";
