@@ -107,7 +107,6 @@
 //! - Integer, shared-exponent and compressed targets are not modelled, nor is the resolve of several samples.
 //! - Depth clipping happens before this stage; a fragment's depth is clamped to the viewport's range.
 //! - Alpha to coverage keeps the lowest samples; real devices dither.
-#![forbid(unsafe_code)]
 
 pub mod state;
 
@@ -124,6 +123,8 @@ pub mod model;
 pub mod limit;
 
 pub mod plan;
+
+pub mod kernel;
 
 #[cfg(feature = "scene")]
 pub mod scene;

@@ -151,6 +151,10 @@ impl NumericModel for Binary32 {
         explain(self, inputs)
     }
 
+    fn unorm8_rule(&self) -> Option<crate::kernel::Rule> {
+        Some(crate::kernel::Rule::Exact)
+    }
+
     fn depth_code(&self, kind: DepthKind, z: f32, range: [f32; 2]) -> u32 {
         kind.encode(z, range)
     }

@@ -170,6 +170,10 @@ impl NumericModel for FixedPoint {
         explain(self, inputs)
     }
 
+    fn unorm8_rule(&self) -> Option<crate::kernel::Rule> {
+        (*self == Self::default()).then_some(crate::kernel::Rule::RoundedProducts)
+    }
+
     fn depth_code(&self, kind: DepthKind, z: f32, range: [f32; 2]) -> u32 {
         kind.encode(z, range)
     }

@@ -95,6 +95,12 @@ pub trait NumericModel: Debug + Send + Sync {
         false
     }
 
+    /// The integer rule that gives this model's codes on 8-bit unorm targets with four channels when every source is an
+    /// 8-bit code (k / 255 as binary32), if it has one: [`crate::kernel`] merges rows by it.
+    fn unorm8_rule(&self) -> Option<crate::kernel::Rule> {
+        None
+    }
+
     /// Whether, on this float target, destination terms whose factor is the constant zero are left out of the sum, so
     /// that not even NaN, infinity or the sign of a zero in the destination shows. With source factors one as well, the
     /// result is then that of blending off.

@@ -87,6 +87,11 @@ impl NumericModel for Exact {
         self.extended(inputs, explain).1
     }
 
+    fn unorm8_rule(&self) -> Option<crate::kernel::Rule> {
+        // Sums of 8-bit products are never ties, so that both ways to the nearest agree.
+        (self.rounding != Rounding::TowardZero).then_some(crate::kernel::Rule::Exact)
+    }
+
     fn depth_code(&self, kind: DepthKind, z: f32, range: [f32; 2]) -> u32 {
         kind.encode(z, range)
     }

@@ -112,6 +112,10 @@ impl NumericModel for Llvmpipe {
     }
 
     /// The driver clamps fragment depth to `[0, 1]`; the viewport's range matters to it only with depth clamping on.
+    fn unorm8_rule(&self) -> Option<crate::kernel::Rule> {
+        Some(crate::kernel::Rule::Llvmpipe)
+    }
+
     fn depth_code(&self, kind: DepthKind, z: f32, _range: [f32; 2]) -> u32 {
         depth::depth_code(kind, z)
     }

@@ -1,0 +1,77 @@
+//! Many layers at once: each tile of the target takes all layers before the next, so that it stays in the cache.
+
+use super::{Isa, Kernel, TEXEL};
+
+/// Texels of a tile by default: with a source row and scratch it stays within a second-level cache of 256 KiB.
+pub const TILE_TEXELS: usize = 16 * 1024;
+
+/// One layer over the whole target.
+#[derive(Clone, Copy, Debug)]
+pub enum Source<'a> {
+    /// One color everywhere, in the target's byte order.
+    Color([u8; TEXEL]),
+    /// A color a texel, as many bytes as the target has.
+    Texels(&'a [u8]),
+}
+
+/// A layer: what it draws and how it is merged.
+#[derive(Clone, Copy, Debug)]
+pub struct Layer<'a> {
+    /// The kernel of its state; states that read a second source cannot be layers.
+    pub kernel: &'a Kernel,
+    /// Its colors.
+    pub source: Source<'a>,
+}
+
+/// Merges all layers in order, tile by tile. The result does not depend on `tile_texels`.
+///
+/// # Panics
+/// When a layer's texels are not as many as the target's, its state reads a second source, or `tile_texels` is 0.
+pub fn merge_layers(layers: &[Layer<'_>], tile_texels: usize, target: &mut [u8]) {
+    check(layers, target.len());
+    for (index, tile) in target.chunks_mut(tile_texels * TEXEL).enumerate() {
+        merge_tile(layers, index * tile_texels * TEXEL, tile);
+    }
+}
+
+/// The same on all threads of the current rayon pool; the result does not depend on their number.
+///
+/// # Panics
+/// As [`merge_layers`].
+#[cfg(feature = "parallel")]
+pub fn merge_layers_parallel(layers: &[Layer<'_>], tile_texels: usize, target: &mut [u8]) {
+    use rayon::prelude::*;
+    check(layers, target.len());
+    let tiles = target.par_chunks_mut(tile_texels * TEXEL).enumerate();
+    tiles.for_each(|(index, tile)| merge_tile(layers, index * tile_texels * TEXEL, tile));
+}
+
+fn check(layers: &[Layer<'_>], bytes: usize) {
+    for layer in layers {
+        assert!(!layer.kernel.reads_second_source(), "layers have no second source");
+        if let Source::Texels(texels) = layer.source {
+            assert_eq!(texels.len(), bytes, "a layer has as many texels as the target");
+        }
+    }
+}
+
+/// All layers on one tile that starts at byte `start`.
+fn merge_tile(layers: &[Layer<'_>], start: usize, tile: &mut [u8]) {
+    /// Texels of the row that a single color is spread to.
+    const SPREAD: usize = 1024;
+    let isa = Isa::best();
+    let mut spread = [0; SPREAD * TEXEL];
+    for layer in layers {
+        match layer.source {
+            Source::Texels(texels) => {
+                layer.kernel.merge_row_on(isa, &texels[start..start + tile.len()], None, None, tile);
+            }
+            Source::Color(color) => {
+                spread.chunks_exact_mut(TEXEL).for_each(|texel| texel.copy_from_slice(&color));
+                for part in tile.chunks_mut(SPREAD * TEXEL) {
+                    layer.kernel.merge_row_on(isa, &spread[..part.len()], None, None, part);
+                }
+            }
+        }
+    }
+}
