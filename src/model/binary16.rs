@@ -125,3 +125,19 @@ impl NumericModel for Binary16 {
         kind.encode(z, range)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_operation_rounds_to_binary16() {
+        let (ulp, model) = (2.0_f32.powi(-10), Binary16);
+        assert_eq!(model.multiply(&(1.0 + ulp), &(1.0 + ulp)), 1.0 + 2.0 * ulp, "the square's last term is lost");
+        assert_eq!(model.add(&2048.0, &1.0), 2048.0, "a tie goes to even");
+        assert_eq!(model.subtract(&2048.0, &-1.0), 2048.0, "likewise");
+        assert_eq!(model.complement(&(ulp / 4.0)), 1.0, "half an ulp below 1 is a tie");
+        let format = ColorFormat::from_name("rgba16float").expect("a format");
+        assert_eq!(model.take_in(1.0 + ulp / 4.0, format, 0), 1.0, "sources too");
+    }
+}

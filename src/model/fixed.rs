@@ -178,3 +178,18 @@ impl NumericModel for FixedPoint {
         kind.encode(z, range)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn factors_are_narrowed_to_their_own_width() {
+        let model: FixedPoint = "source=10,factor=4,product=10".parse().expect("valid");
+        let format = ColorFormat::from_name("rgb10a2unorm").expect("a format");
+        let source = model.take_in(512.0 / 1023.0, format, 0);
+        assert_eq!(source, Value { num: 512, den: 1023 }, "ten bits of source");
+        assert_eq!(model.factor(source), Value { num: 8, den: 15 }, "four bits of factor: 7.507 rounds to 8");
+        assert_eq!(model.factor(model.one()), model.one(), "the constant one bypasses the multiplier");
+    }
+}
