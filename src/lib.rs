@@ -126,6 +126,8 @@ pub mod plan;
 
 pub mod kernel;
 
+pub mod admissible;
+
 #[cfg(feature = "scene")]
 pub mod scene;
 

@@ -30,17 +30,25 @@ pub struct Enclosure {
 /// `half_code` is 0 to 510. The linear segment and the end point 1 are exact.
 #[must_use]
 pub fn linear_enclosure(half_code: u32, bits: u32) -> Enclosure {
+    enclose_linear(half_code, 510, bits)
+}
+
+/// Encloses the linear value of the sRGB-encoded value `numerator / denominator`, from 0 to 1, to within 2^-`bits`.
+///
+/// The linear segment and the end point 1 are exact. Products with 100,000 must fit: denominators up to 40,000 do.
+#[must_use]
+pub fn enclose_linear(numerator: u32, denominator: u32, bits: u32) -> Enclosure {
     let rational = |n: u32, d: u32| BigRational::new(BigInt::from(n), BigInt::from(d));
-    if half_code <= LAST_LINEAR_HALF_CODE {
-        let exact = rational(half_code * 100, 510 * 1292);
+    if numerator * 100_000 <= denominator * 4045 {
+        let exact = rational(numerator * 100, denominator) / rational(1292, 1);
         return Enclosure { lo: exact.clone(), hi: exact };
     }
-    if half_code == 510 {
+    if numerator == denominator {
         return Enclosure { lo: rational(1, 1), hi: rational(1, 1) };
     }
-    // (h / 510 + 0.055) / 1.055 = p / q.
-    let p = BigUint::from(1000 * half_code + 510 * 55);
-    let q = BigUint::from(510_u32 * 1055);
+    // (n / d + 0.055) / 1.055 = p / q.
+    let p = BigUint::from(1000 * numerator + denominator * 55);
+    let q = BigUint::from(denominator * 1055);
     let root = ((p.pow(12) << (5 * bits as usize)) / q.pow(12)).nth_root(5);
     let scale = BigInt::from(1) << bits as usize;
     let lo = BigRational::new(BigInt::from(root.clone()), scale.clone());
@@ -58,20 +66,21 @@ pub struct Approximation {
 }
 
 /// The 511 points of the curve that an 8-bit channel needs, by half-code.
-static POINTS: LazyLock<Vec<Approximation>> = LazyLock::new(|| {
-    let point = |half_code| {
-        // 2^-96 is far below half a unit in the last place of the smallest point, 2^-65.
-        let Enclosure { lo, hi } = linear_enclosure(half_code, 96);
-        let value = lo.to_f64().expect("a number in [0, 1] has an f64 neighbour");
-        let exact = BigRational::from_float(value).expect("finite");
-        let below = (exact.clone() - lo).to_f64().unwrap_or(0.0).abs();
-        let above = (hi - exact).to_f64().unwrap_or(0.0).abs();
-        // One step up covers the rounding of the difference itself.
-        let error = if below.max(above) == 0.0 { 0.0 } else { below.max(above).next_up() };
-        Approximation { value, error }
-    };
-    (0..=510).map(point).collect()
-});
+static POINTS: LazyLock<Vec<Approximation>> = LazyLock::new(|| (0..=510).map(|h| approximate(h, 510)).collect());
+
+/// The linear value of the sRGB-encoded value `numerator / denominator`, from 0 to 1; see [`enclose_linear`].
+#[must_use]
+pub fn approximate(numerator: u32, denominator: u32) -> Approximation {
+    // 2^-96 is far below half a unit in the last place of the smallest point, 2^-65.
+    let Enclosure { lo, hi } = enclose_linear(numerator, denominator, 96);
+    let value = lo.to_f64().expect("a number in [0, 1] has an f64 neighbour");
+    let exact = BigRational::from_float(value).expect("finite");
+    let below = (exact.clone() - lo).to_f64().unwrap_or(0.0).abs();
+    let above = (hi - exact).to_f64().unwrap_or(0.0).abs();
+    // One step up covers the rounding of the difference itself.
+    let error = if below.max(above) == 0.0 { 0.0 } else { below.max(above).next_up() };
+    Approximation { value, error }
+}
 
 /// The linear value of a code, 0 to 255.
 #[must_use]

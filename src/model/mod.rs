@@ -145,6 +145,17 @@ pub trait Arithmetic {
         self.minimum(src_alpha, room)
     }
 
+    /// Clamps a factor for a target class.
+    ///
+    /// Only signed targets can notice: there 1 - x reaches 2, which Vulkan clamps to 1 and D3D does not. This is Vulkan's
+    /// rule; on unsigned targets the inputs' clamp already keeps factors in range.
+    fn clamp_factor(&self, factor: Self::Value, class: TargetClass) -> Self::Value {
+        match class {
+            TargetClass::Snorm => self.clamp(&factor, class),
+            TargetClass::Unorm | TargetClass::Float => factor,
+        }
+    }
+
     /// Narrows a value to the width of a factor; most models leave it alone.
     fn factor(&self, x: Self::Value) -> Self::Value {
         x

@@ -1,10 +1,10 @@
-//! The clamps of shader outputs and blend constants before they enter the equation, and of factors inside it.
+//! The clamps of shader outputs and blend constants before they enter the equation.
+//! Factors are clamped by [`Arithmetic::clamp_factor`](crate::model::Arithmetic::clamp_factor).
 //!
 //! Source: Vulkan, *Framebuffer / Blending* (the paragraph after the basic operations); D3D11.3 17.5. Float targets:
 //! Vulkan clamps nothing; D3D may clamp to the format's range, and this model does not.
 
 use crate::format::TargetClass;
-use crate::model::Arithmetic;
 
 /// Clamps a shader output or blend constant for a target class; NaN becomes 0 where a clamp applies.
 ///
@@ -16,17 +16,6 @@ pub fn clamp_input(x: f32, class: TargetClass) -> f32 {
         _ if x.is_nan() => 0.0,
         TargetClass::Unorm => x.clamp(0.0, 1.0),
         TargetClass::Snorm => x.clamp(-1.0, 1.0),
-    }
-}
-
-/// Clamps a factor for a target class.
-///
-/// Only signed targets can notice: there 1 - x reaches 2, which Vulkan clamps to 1 and D3D does not. This is Vulkan's
-/// rule; on unsigned targets the inputs' clamp already keeps factors in range.
-pub fn clamp_factor<A: Arithmetic>(arithmetic: &A, factor: A::Value, class: TargetClass) -> A::Value {
-    match class {
-        TargetClass::Snorm => arithmetic.clamp(&factor, class),
-        TargetClass::Unorm | TargetClass::Float => factor,
     }
 }
 

@@ -76,7 +76,7 @@ pub(crate) fn equation<A: Arithmetic>(
     let class = inputs.format.class();
     let factor = |name, i| {
         let factor = factor::factor(arithmetic, name, i, operands);
-        arithmetic.factor(clamp::clamp_factor(arithmetic, factor, class))
+        arithmetic.factor(arithmetic.clamp_factor(factor, class))
     };
     let src_factors: [A::Value; 4] = std::array::from_fn(|i| factor(component(state, i).src_factor, i));
     let dst_factors: [A::Value; 4] = std::array::from_fn(|i| factor(component(state, i).dst_factor, i));

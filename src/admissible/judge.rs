@@ -1,0 +1,314 @@
+//! Color results: the sets of each class, and the narrowest class that holds a result.
+
+use wgpu_types::{BlendFactor, BlendState, ColorWrites};
+
+use super::blender::{Blender, Overflow, Precision};
+use super::real::Real;
+use super::span::Span;
+use super::store::{self, CodeSet, Store};
+use super::{Api, Class, Policy, Spec, Verdict};
+use crate::format::{ChannelKind, Codes, ColorFormat, FloatLayout, TargetClass, snorm, unorm};
+use crate::merger::blend::{Operands, clamp::clamp_input, component, equation, operation};
+use crate::merger::load::load;
+use crate::model::{Arithmetic, ColorInputs};
+
+/// Holds results against a specification.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Judge {
+    /// Whose rules.
+    pub spec: Spec,
+    /// What is assumed where they are silent.
+    pub policy: Policy,
+}
+
+/// A texel's verdict.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Judgement {
+    /// All channels together.
+    pub verdict: Verdict,
+    /// The text that gave it: under WebGPU, the one that was met best.
+    pub api: Api,
+    /// RGBA; masked and missing channels that kept their bits are exact.
+    pub channels: [Verdict; 4],
+}
+
+/// One kind of blender a class admits, and the channels it counts for.
+struct Variant {
+    blender: Blender,
+    store: Store,
+    /// D3D may clamp inputs to a float format's range.
+    clamped_inputs: bool,
+    channels: [bool; 4],
+}
+
+impl Judge {
+    /// A judge with the default policy.
+    #[must_use]
+    pub fn new(spec: Spec) -> Self {
+        Self { spec, policy: Policy::default() }
+    }
+
+    /// The verdict on the codes `got` that a device stored.
+    #[must_use]
+    pub fn judge(&self, inputs: &ColorInputs, mask: ColorWrites, got: Codes) -> Judgement {
+        let judged = self.spec.apis().iter().map(|api| self.judge_by(*api, inputs, mask, got));
+        judged.reduce(|a, b| if a.verdict.or(b.verdict) == a.verdict { a } else { b }).unwrap_or(Judgement {
+            verdict: Verdict::Undefined,
+            api: Api::Vulkan,
+            channels: [Verdict::Undefined; 4],
+        })
+    }
+
+    fn judge_by(&self, api: Api, inputs: &ColorInputs, mask: ColorWrites, got: Codes) -> Judgement {
+        let kinds = inputs.format.channels();
+        let mut channels: [Option<Verdict>; 4] = std::array::from_fn(|i| {
+            if kinds[i] == ChannelKind::Absent {
+                return Some(Verdict::Undefined);
+            }
+            // Masked channels keep their bits.
+            let kept = || CodeSet::only(kinds[i], inputs.dst[i]).contains(kinds[i], got[i]);
+            let masked = mask.bits() >> i & 1 == 0;
+            masked.then(|| if kept() { Verdict::Within(Class::Exact) } else { Verdict::Outside })
+        });
+        for class in [Class::Exact, Class::Tight, Class::Wide] {
+            if channels.iter().all(Option::is_some) {
+                break;
+            }
+            self.each_set(api, inputs, class, |i, set| {
+                if channels[i].is_none() && set.contains(kinds[i], got[i]) {
+                    let undefined = set.is_undefined();
+                    channels[i] = Some(if undefined { Verdict::Undefined } else { Verdict::Within(class) });
+                }
+                channels.iter().all(Option::is_some)
+            });
+        }
+        let channels = channels.map(|channel| channel.unwrap_or(Verdict::Outside));
+        Judgement { verdict: channels.into_iter().fold(Verdict::Undefined, Verdict::and), api, channels }
+    }
+
+    /// The codes each channel may hold in a class, before the write mask; narrower classes are part of wider ones.
+    #[must_use]
+    pub fn sets(&self, inputs: &ColorInputs, class: Class) -> [CodeSet; 4] {
+        let mut sets: [CodeSet; 4] = Default::default();
+        for api in self.spec.apis() {
+            for part in [Class::Exact, Class::Tight, Class::Wide].into_iter().filter(|part| *part <= class) {
+                self.each_set(*api, inputs, part, |i, set| {
+                    sets[i].unite(set);
+                    false
+                });
+            }
+        }
+        sets
+    }
+
+    /// Calls `found` with each set that makes up a class, until it returns true.
+    fn each_set(&self, api: Api, inputs: &ColorInputs, class: Class, mut found: impl FnMut(usize, CodeSet) -> bool) {
+        let kinds = inputs.format.channels();
+        for variant in self.variants(api, inputs, class) {
+            for operands in self.operands(api, inputs, &variant) {
+                let results = results(&variant.blender, inputs, &operands);
+                for (i, result) in results.iter().enumerate().filter(|(i, _)| variant.channels[*i]) {
+                    let float = inputs.format.class() == TargetClass::Float;
+                    let undefined = api == Api::Vulkan && result.special && !(float && self.policy.vulkan_specials);
+                    let set = match kinds[i] {
+                        _ if undefined => CodeSet::anything(),
+                        ChannelKind::Float(FloatLayout::SINGLE) if inputs.blend.is_none() => {
+                            CodeSet::only(kinds[i], inputs.src[i].to_bits())
+                        }
+                        ChannelKind::Float(layout) if inputs.blend.is_none() && result.is(0.0) && layout.signed => {
+                            CodeSet::only(kinds[i], if inputs.src[i].is_sign_negative() { layout.sign() } else { 0 })
+                        }
+                        kind => store::store(result, kind, variant.store),
+                    };
+                    let free_zero = api == Api::Vulkan || inputs.blend.is_some();
+                    if found(i, if free_zero { set.with_both_zeros(kinds[i]) } else { set }) {
+                        return;
+                    }
+                }
+            }
+        }
+    }
+
+    /// The blenders a class adds to the narrower ones.
+    fn variants(&self, api: Api, inputs: &ColorInputs, class: Class) -> Vec<Variant> {
+        let blended = inputs.blend.is_some();
+        let store = match (api, class, blended) {
+            (Api::Vulkan, Class::Exact, _) => Store::Nearest,
+            (Api::Vulkan, ..) => Store::VulkanCurve,
+            (Api::D3d, Class::Exact, false) => Store::D3dNearest,
+            (Api::D3d, Class::Exact, true) => Store::D3dBlendedNearest,
+            (Api::D3d, _, false) => Store::D3d,
+            (Api::D3d, _, true) => Store::D3dBlended,
+        };
+        let variant = |precision, overflow| Variant {
+            blender: Blender { api, precision, overflow },
+            store,
+            clamped_inputs: false,
+            channels: [true; 4],
+        };
+        let float = inputs.format.class() == TargetClass::Float;
+        match class {
+            Class::Exact => vec![variant(Precision::Real, Overflow::Any)],
+            Class::Tight if !blended => vec![variant(Precision::Real, Overflow::Any)],
+            Class::Tight => {
+                let single = variant(Precision::Float(FloatLayout::SINGLE), Overflow::Any);
+                if api == Api::D3d && float {
+                    vec![Variant { clamped_inputs: true, ..variant(single.blender.precision, Overflow::Any) }, single]
+                } else {
+                    vec![single]
+                }
+            }
+            Class::Wide if !blended => Vec::new(),
+            Class::Wide => self.coarse(api, inputs.format, variant),
+        }
+    }
+
+    /// Blenders as coarse as the target.
+    fn coarse(&self, api: Api, format: ColorFormat, variant: impl Fn(Precision, Overflow) -> Variant) -> Vec<Variant> {
+        let kinds = format.channels();
+        let mantissa = kinds.iter().filter_map(|kind| match kind {
+            ChannelKind::Float(layout) => Some(layout.mantissa_bits),
+            _ => None,
+        });
+        let widest = |bits: fn(ChannelKind) -> Option<u32>| kinds.into_iter().filter_map(bits).max();
+        let codes = |steps, channels| Variant { channels, ..variant(Precision::Codes(steps), Overflow::Any) };
+        match mantissa.max() {
+            Some(23) => Vec::new(),
+            Some(bits) => {
+                // D3D blends small floats as halves.
+                let mantissa_bits = if api == Api::D3d { 10 } else { bits };
+                let layout = Precision::Float(FloatLayout { exponent_bits: 5, mantissa_bits, signed: true });
+                let overflows: &[Overflow] = match api {
+                    Api::Vulkan => &[Overflow::Saturate, Overflow::Infinite],
+                    Api::D3d => &[Overflow::Saturate],
+                };
+                overflows.iter().map(|overflow| variant(layout, *overflow)).collect()
+            }
+            None => {
+                let unorm = widest(|kind| if let ChannelKind::Unorm(bits) = kind { Some(bits) } else { None });
+                let snorm = widest(|kind| if let ChannelKind::Snorm(bits) = kind { Some(bits) } else { None });
+                if kinds[0] == ChannelKind::Srgb {
+                    let linear = unorm::steps(self.policy.srgb_linear_bits.clamp(8, 24));
+                    let alpha = unorm::steps(8);
+                    return vec![codes(linear, [true, true, true, false]), codes(alpha, [false, false, false, true])];
+                }
+                let steps =
+                    snorm.map_or_else(|| unorm.map(unorm::steps), |bits| Some(snorm::steps(bits).unsigned_abs()));
+                steps.map(|steps| codes(steps, [true; 4])).into_iter().collect()
+            }
+        }
+    }
+
+    /// What the equation may read: one set of operands, or every quantisation of the sources that a blender in codes may
+    /// start from.
+    fn operands(&self, api: Api, inputs: &ColorInputs, variant: &Variant) -> Vec<Operands<Span>> {
+        let class = inputs.format.class();
+        let float = class == TargetClass::Float;
+        let range = inputs.format.channels().into_iter().find_map(|kind| match kind {
+            ChannelKind::Float(layout) if variant.clamped_inputs => {
+                let largest = layout.decode(layout.max_finite());
+                Some((if layout.signed { -largest } else { 0.0 }, largest))
+            }
+            _ => None,
+        });
+        let take = |x: f32| {
+            let mut span = Span::exact(f64::from(clamp_input(x, class)));
+            // An infinity that a normalised target clamps is undefined only where there are none.
+            span.special = if float || !self.policy.vulkan_specials { !x.is_finite() } else { x.is_nan() };
+            match range {
+                Some((low, high)) if !span.empty => span.clamped(low, high),
+                _ => span,
+            }
+        };
+        let dst = load(&variant.blender, inputs.format, inputs.dst);
+        let plain = Operands {
+            src: inputs.src.map(take),
+            src1: inputs.src1.map(take),
+            constant: inputs.constant.map(take),
+            dst,
+        };
+        let Some(state) = &inputs.blend else { return vec![plain] };
+        match variant.blender.precision {
+            Precision::Codes(steps) => quantised(api, state, &plain, steps),
+            Precision::Float(layout) if layout != FloatLayout::SINGLE => {
+                let round = |color: [Span; 4]| color.map(|x| variant.blender.round(x));
+                vec![Operands {
+                    src: round(plain.src),
+                    src1: round(plain.src1),
+                    constant: round(plain.constant),
+                    dst: plain.dst,
+                }]
+            }
+            _ => vec![plain],
+        }
+    }
+}
+
+/// Every combination of the codes that the sources in use may be quantised to, and of leaving them as they are. Red,
+/// green and blue of one source go together: no channel reads another's.
+fn quantised(api: Api, state: &BlendState, plain: &Operands<Span>, steps: u32) -> Vec<Operands<Span>> {
+    let [second, constant] = [
+        |factor: BlendFactor| factor.ref_second_blend_source(),
+        |factor: BlendFactor| matches!(factor, BlendFactor::Constant | BlendFactor::OneMinusConstant),
+    ]
+    .map(|reads: fn(BlendFactor) -> bool| {
+        [state.color, state.alpha].iter().any(|c| reads(c.src_factor) || reads(c.dst_factor))
+    });
+    let mut all = vec![plain.clone()];
+    let groups: [(bool, fn(&mut Operands<Span>) -> &mut [Span; 4]); 3] =
+        [(true, |o| &mut o.src), (second, |o| &mut o.src1), (constant, |o| &mut o.constant)];
+    for (used, color) in groups {
+        for channels in [0..3, 3..4] {
+            let rules: &[Quantise] =
+                if used { &[Quantise::Not, Quantise::Down, Quantise::Up] } else { &[Quantise::Not] };
+            all = all
+                .iter()
+                .flat_map(|operands| rules.iter().map(|rule| (operands.clone(), *rule)))
+                .map(|(mut operands, rule)| {
+                    let values = color(&mut operands);
+                    values[channels.clone()].iter_mut().for_each(|x| *x = rule.apply(api, x, steps));
+                    operands
+                })
+                .collect();
+            all.dedup_by(|a, b| a.src == b.src && a.src1 == b.src1 && a.constant == b.constant);
+        }
+    }
+    all
+}
+
+#[derive(Clone, Copy)]
+enum Quantise {
+    Not,
+    Down,
+    Up,
+}
+
+impl Quantise {
+    fn apply(self, api: Api, x: &Span, steps: u32) -> Span {
+        let scale = i128::from(steps);
+        let code = match (self, api) {
+            _ if x.empty => return *x,
+            (Self::Not, _) => return *x,
+            (Self::Down, Api::Vulkan) => x.min.floor_code(scale),
+            (Self::Up, Api::Vulkan) => x.max.ceil_code(scale),
+            (Self::Down, Api::D3d) => x.min.least_within(scale, super::blender::D3D_TOLERANCE),
+            (Self::Up, Api::D3d) => x.max.greatest_within(scale, super::blender::D3D_TOLERANCE),
+        };
+        Span { special: x.special, ..Span::point(Real::fraction(code, scale)) }
+    }
+}
+
+/// The equation's results, clamped for the target.
+fn results(blender: &Blender, inputs: &ColorInputs, operands: &Operands<Span>) -> [Span; 4] {
+    let results = match &inputs.blend {
+        None => operands.src,
+        Some(state) => {
+            let equation = equation(blender, state, operands, inputs);
+            std::array::from_fn(|i| {
+                let (src, dst) = &equation.terms[i];
+                operation::apply(blender, component(state, i).operation, src, dst)
+            })
+        }
+    };
+    results.map(|x| blender.clamp(&x, inputs.format.class()))
+}
