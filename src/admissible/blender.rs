@@ -107,7 +107,11 @@ impl Blender {
 
     /// What a conversion of stored codes may give, once the number is computed with.
     fn loosen(&self, x: &Span) -> Span {
-        let Some((kind, code)) = x.stored else { return *x };
+        let Some((kind, code)) = x.stored else {
+            // Denormal operands may be flushed; rounding, which does that, leaves binary32 numbers alone otherwise.
+            let single = self.precision == Precision::Float(FloatLayout::SINGLE);
+            return if single { self.round(*x) } else { *x };
+        };
         let loose = Span { stored: None, ..*x };
         let ends = match (self.precision, kind, self.api) {
             (Precision::Real, ..) => return loose,

@@ -244,6 +244,9 @@ impl Judge {
     }
 }
 
+/// One color of the operands.
+type Color = fn(&mut Operands<Span>) -> &mut [Span; 4];
+
 /// Every combination of the codes that the sources in use may be quantised to, and of leaving them as they are. Red,
 /// green and blue of one source go together: no channel reads another's.
 fn quantised(api: Api, state: &BlendState, plain: &Operands<Span>, steps: u32) -> Vec<Operands<Span>> {
@@ -255,7 +258,7 @@ fn quantised(api: Api, state: &BlendState, plain: &Operands<Span>, steps: u32) -
         [state.color, state.alpha].iter().any(|c| reads(c.src_factor) || reads(c.dst_factor))
     });
     let mut all = vec![plain.clone()];
-    let groups: [(bool, fn(&mut Operands<Span>) -> &mut [Span; 4]); 3] =
+    let groups: [(bool, Color); 3] =
         [(true, |o| &mut o.src), (second, |o| &mut o.src1), (constant, |o| &mut o.constant)];
     for (used, color) in groups {
         for channels in [0..3, 3..4] {
@@ -300,13 +303,15 @@ impl Quantise {
 
 /// The equation's results, clamped for the target.
 fn results(blender: &Blender, inputs: &ColorInputs, operands: &Operands<Span>) -> [Span; 4] {
-    let results = match &inputs.blend {
+    let results: [Span; 4] = match &inputs.blend {
         None => operands.src,
         Some(state) => {
             let equation = equation(blender, state, operands, inputs);
             std::array::from_fn(|i| {
                 let (src, dst) = &equation.terms[i];
-                operation::apply(blender, component(state, i).operation, src, dst)
+                let result = operation::apply(blender, component(state, i).operation, src, dst);
+                // Denormals may be flushed where nothing was computed, too.
+                if inputs.format.class() == TargetClass::Float { blender.round(result) } else { result }
             })
         }
     };

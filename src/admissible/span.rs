@@ -79,7 +79,11 @@ impl Span {
         if other.is(0.0) {
             return (self.tainted(other), true);
         }
-        (self.collect(other, [self.min.add(&other.min), self.max.add(&other.max)]), false)
+        let mut sum = self.collect(other, [self.min.add(&other.min), self.max.add(&other.max)]);
+        // Infinities of either sign meet.
+        let (low, high) = (|x: &Self| x.min.lo == f64::NEG_INFINITY, |x: &Self| x.max.hi == f64::INFINITY);
+        sum.nan |= (low(self) && high(other)) || (high(self) && low(other));
+        (sum, false)
     }
 
     /// x * y and whether it is one of the operands unchanged.
