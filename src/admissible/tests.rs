@@ -241,7 +241,10 @@ mod models {
         let float = format.class() == TargetClass::Float;
         let linear8 = kinds.iter().all(|kind| matches!(kind, ChannelKind::Unorm(8) | ChannelKind::Absent));
         let small = kinds.iter().all(|kind| kind.bits() <= 8 && *kind != ChannelKind::Srgb);
+        let srgb = kinds.contains(&ChannelKind::Srgb);
         match (model, spec) {
+            // The driver's polynomials for the curve are coarser than one part in 10^5: differences of near numbers show it.
+            ("llvmpipe", _) if srgb => None,
             ("exact", Spec::Vulkan) => Some(Class::Exact),
             ("f32" | "llvmpipe" | "swiftshader", Spec::Vulkan) => Some(Class::Wide),
             ("f16", Spec::Vulkan) if small => Some(Class::Wide),
