@@ -69,6 +69,9 @@ pub struct Approximation {
 static POINTS: LazyLock<Vec<Approximation>> = LazyLock::new(|| (0..=510).map(|h| approximate(h, 510)).collect());
 
 /// The linear value of the sRGB-encoded value `numerator / denominator`, from 0 to 1; see [`enclose_linear`].
+///
+/// # Panics
+/// Never: numbers in `[0, 1]` have `f64` neighbours.
 #[must_use]
 pub fn approximate(numerator: u32, denominator: u32) -> Approximation {
     // 2^-96 is far below half a unit in the last place of the smallest point, 2^-65.
