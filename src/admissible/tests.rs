@@ -233,7 +233,7 @@ mod models {
     use crate::model::registry;
     use crate::proptest::{state, target};
     use ::proptest::prelude::*;
-    use ::proptest::test_runner::{Config, TestRunner};
+    use ::proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 
     /// The class a model claims; `None` where it claims nothing.
     fn claim(model: &str, spec: Spec, format: ColorFormat) -> Option<Class> {
@@ -245,6 +245,10 @@ mod models {
         match (model, spec) {
             // The driver's polynomials for the curve are coarser than one part in 10^5: differences of near numbers show it.
             ("llvmpipe", _) if srgb => None,
+            // It stores values below -1 as the spare code.
+            ("llvmpipe", _) if kinds.contains(&ChannelKind::Snorm(8)) => None,
+            // Its lerps d + (s - d) a do not keep 1 x and 0 x exact, which float targets show by an ulp and more.
+            ("llvmpipe", _) if float => None,
             ("exact", Spec::Vulkan) => Some(Class::Exact),
             ("f32" | "llvmpipe" | "swiftshader", Spec::Vulkan) => Some(Class::Wide),
             ("f16", Spec::Vulkan) if small => Some(Class::Wide),
@@ -254,6 +258,32 @@ mod models {
             ("exact:toward-zero", Spec::D3d) if float => Some(Class::Exact),
             ("f32", Spec::D3d) if format.class() == TargetClass::Unorm => Some(Class::Wide),
             _ => None,
+        }
+    }
+
+    /// The deviations that the claims leave out, each with the rule it breaks: they must be flagged.
+    #[test]
+    fn known_driver_deviations_are_outside() {
+        let both = |src_factor, dst_factor, operation| {
+            let component = BlendComponent { src_factor, dst_factor, operation };
+            Some(BlendState { color: component, alpha: component })
+        };
+        let near = both(BlendFactor::One, BlendFactor::One, BlendOperation::Subtract);
+        let lerp = both(BlendFactor::DstAlpha, BlendFactor::OneMinusDstAlpha, BlendOperation::ReverseSubtract);
+        let cases = [
+            // Vulkan: values below -1 are clamped to -1, code -127.
+            ("llvmpipe", inputs("r8snorm", None, [-1.1, 0.0, 0.0, 0.0], [0; 4])),
+            // Vulkan: the curve to about one part in 10^5.
+            ("llvmpipe", inputs("rgba8unorm-srgb", near, [0.8, 0.0, 0.0, 0.0], [230, 0, 0, 0])),
+            // Vulkan: 0 x is 0 and 1 x is x; the missing alpha is 1, so the result is -S.
+            ("llvmpipe", inputs("r32float", lerp, [1.0, 0.0, 0.0, 0.0], [1_063_281_889, 0, 0, 0])),
+            // Vulkan: a finite number beyond the largest one is that, or Inf; never NaN.
+            ("swiftshader", inputs("r16float", None, [89_581.3, 0.0, 0.0, 0.0], [0; 4])),
+        ];
+        for (name, texel) in cases {
+            let got = registry::by_name(name).expect("known").merge_color(&texel);
+            let verdict = Judge::new(Spec::Vulkan).judge(&texel, ColorWrites::ALL, got).verdict;
+            assert_eq!(verdict, Verdict::Outside, "{name} on {}: {got:x?}", texel.format.name());
         }
     }
 
@@ -295,8 +325,10 @@ mod models {
                     prop_assert!(holds, "{name}, {spec}: {judged:?} for {got:x?} of {sets:x?}");
                     Ok(())
                 };
-                let mut runner =
-                    TestRunner::new(Config { cases: 2000, failure_persistence: None, ..Config::default() });
+                let cases = std::env::var("OUTMERGE_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(2000);
+                let config = Config { cases, failure_persistence: None, ..Config::default() };
+                // The same cases every time; OUTMERGE_CASES gives more of them.
+                let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
                 let result = runner.run(&state::format().prop_flat_map(target::color_inputs), run);
                 if let Err(error) = result {
                     failures.push(error.to_string());
