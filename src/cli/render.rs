@@ -29,6 +29,9 @@ pub(super) struct Render {
     /// Keep the target's alpha in the PNG instead of showing it opaque.
     #[arg(long)]
     alpha: bool,
+    /// Merge with the reference, which leaves nothing out, instead of as planned; the picture is the same.
+    #[arg(long, conflicts_with = "trap")]
+    reference: bool,
     /// Instead of a picture, find the first fragment with a NaN, an infinity or a value that a clamp changes; exit with
     /// status 1 if there is one.
     #[arg(long, value_enum, value_delimiter = ',', conflicts_with = "output")]
@@ -58,7 +61,8 @@ impl Render {
         if !self.trap.is_empty() {
             return self.find(&scene, model.as_ref());
         }
-        let rendered = scene.render(model.as_ref())?;
+        let rendered =
+            if self.reference { scene.render_reference(model.as_ref())? } else { scene.render(model.as_ref())? };
         let picture = if self.depth {
             let target = rendered.framebuffer.depth_stencil.as_ref();
             target.and_then(Picture::of_depth).ok_or("the scene has no depth target")?

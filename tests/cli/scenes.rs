@@ -46,6 +46,21 @@ fn a_scene_becomes_a_picture() {
 }
 
 #[test]
+fn the_reference_makes_the_planned_picture() {
+    for scene in ["vegetation-three-trees", "target-half"] {
+        let picture = |more: &[&str]| {
+            let arguments = [["render", scene, "-m", "llvmpipe", "-o", "-"].as_slice(), more].concat();
+            let output = outmerge(&arguments).output().expect("runs");
+            assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+            output.stdout
+        };
+        let planned = picture(&[]);
+        assert!(planned.starts_with(b"\x89PNG"), "{scene}: a picture on stdout");
+        assert!(planned == picture(&["--reference"]), "{scene}: planned and reference pictures differ");
+    }
+}
+
+#[test]
 fn malformed_scenes_name_file_and_line() {
     scene_fails(&SCENE.replace("width = 16", "width = = 16"), "scene.toml:7");
     scene_fails(&SCENE.replace("mode = \"fade\"", "mode = \"fude\""), "scene.toml:15");
