@@ -8,8 +8,8 @@ only=${1:-}
 
 copy=$(mktemp -d)
 trap 'rm -rf "$copy"' EXIT
-# The working tree, as far as git knows it.
-git ls-files -z | tar --null --files-from=- --create --file=- 2>/dev/null | tar --extract --file=- --directory="$copy"
+# The working tree, as far as git knows it; new times, so that cargo takes nothing of another copy for fresh.
+git ls-files -z | tar --null --files-from=- --create --file=- 2>/dev/null | tar --extract --touch --file=- --directory="$copy"
 export CARGO_TARGET_DIR=${OUTMERGE_MUTATION_TARGET:-$copy/target}
 export CARGO_PROFILE_DEV_DEBUG=0
 
