@@ -4,17 +4,26 @@ use outmerge::crosscheck::vector;
 use outmerge::format::depth::DEPTH_FORMATS;
 use outmerge::format::{ColorFormat, DepthFormat, layout::FORMATS};
 use outmerge::model::registry;
-use outmerge::vectors::{self, Kind};
+use outmerge::vectors::{self, Generator, Kind, Line};
+use wgpu_types::{BlendComponent, BlendFactor as F, BlendOperation as Op, BlendState};
 
 use crate::harness::llvmpipe;
 
+fn colors() -> Vec<ColorFormat> {
+    FORMATS.iter().filter_map(|(name, _)| ColorFormat::from_name(name).ok()).collect()
+}
+
 /// Recorded lines of a kind as a file, and how many.
 fn recorded(kind: Kind, lines: usize, texels: usize) -> Option<(String, usize)> {
-    let device = llvmpipe()?;
-    let colors: Vec<ColorFormat> = FORMATS.iter().filter_map(|(name, _)| ColorFormat::from_name(name).ok()).collect();
     let depths: Vec<DepthFormat> = DEPTH_FORMATS.iter().filter_map(|(name, _)| DepthFormat::from_name(name)).collect();
+    record(vectors::generate_kind(kind, 20_261_123, &colors(), &depths, lines, texels))
+}
+
+/// What the device makes of these lines, as a file, and how many it can draw.
+fn record(lines: Vec<Line>) -> Option<(String, usize)> {
+    let device = llvmpipe()?;
     let (mut text, mut recorded) = (String::new(), 0);
-    for mut line in vectors::generate_kind(kind, 20_261_123, &colors, &depths, lines, texels) {
+    for mut line in lines {
         if let Some(reason) = vector::refusal(device, &line) {
             println!("not run: {}: {reason}", line.group());
             continue;
@@ -58,4 +67,28 @@ fn recorded_layers_of_every_format_pass_the_drivers_model() {
     assert!(lines > 100, "most formats are rendered: {lines} lines");
     assert_eq!(differ("llvmpipe", &text, lines), 0, "the driver's model");
     assert!(differ("exact", &text, lines) > 0, "the driver is not exact");
+}
+
+/// A blend constant is prepared apart from the fragments, by rules of its own: a NaN is 1 on sRGB targets, 0 on unorm.
+#[test]
+fn special_blend_constants_of_every_format_pass_the_drivers_model() {
+    let mut generator = Generator::new(7);
+    let special = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -0.0, 1e-40, -2.0, 2.0, 0.25];
+    let factors = [(F::Constant, F::Zero), (F::OneMinusConstant, F::SrcAlpha), (F::OneMinusSrc, F::Constant)];
+    let mut lines = Vec::new();
+    for format in colors() {
+        for (turn, operation) in [(0, Op::Add), (2, Op::Subtract), (4, Op::ReverseSubtract), (5, Op::Add)] {
+            for (src_factor, dst_factor) in factors {
+                let component = BlendComponent { src_factor, dst_factor, operation };
+                let mut line = generator.line(format, 64);
+                line.blend = Some(BlendState { color: component, alpha: component });
+                line.src1 = None;
+                line.constant = std::array::from_fn(|i| special[(turn + 3 * i) % special.len()]);
+                lines.push(Line::Color(line));
+            }
+        }
+    }
+    let Some((text, lines)) = record(lines) else { return };
+    assert!(lines > 150, "most formats blend: {lines} lines");
+    assert_eq!(differ("llvmpipe", &text, lines), 0, "the driver's model");
 }

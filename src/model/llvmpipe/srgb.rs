@@ -17,7 +17,7 @@ pub(super) fn merge(inputs: &ColorInputs) -> Steps {
     let operands = float::Operands {
         src: clamp(inputs.src),
         src1: clamp(inputs.src1),
-        constant: clamp(inputs.constant),
+        constant: inputs.constant.map(clamp_constant),
         dst: std::array::from_fn(|i| if i == 3 { decode_alpha(inputs.dst[3]) } else { decode(inputs.dst[i]) }),
     };
     debug_assert_eq!(state::channel_count(inputs.format), 4, "both sRGB formats have four channels");
@@ -41,6 +41,12 @@ pub(super) fn merge(inputs: &ColorInputs) -> Steps {
 /// Clamped to [0, 1]; NaN gives 0.
 pub(super) fn clamp_unit(x: f32) -> f32 {
     if x > 0.0 { x.min(1.0) } else { 0.0 }
+}
+
+/// A blend constant clamped to [0, 1]; unlike a fragment's, its NaN gives 1: MINPS takes the bound when nothing compares.
+fn clamp_constant(x: f32) -> f32 {
+    let bounded = if x < 1.0 { x } else { 1.0 };
+    bounded.max(0.0)
 }
 
 /// A stored byte as a number; alpha is linear.
