@@ -34,7 +34,9 @@ pub struct DepthStencilCase<'a> {
     pub stored: DepthStencil,
 }
 
-fn channel(kind: DepthKind) -> ChannelKind {
+/// The channel a depth code is like.
+#[must_use]
+pub fn channel_kind(kind: DepthKind) -> ChannelKind {
     match kind {
         DepthKind::Unorm(bits) => ChannelKind::Unorm(bits),
         DepthKind::Float32 => ChannelKind::Float(FloatLayout::SINGLE),
@@ -53,9 +55,9 @@ pub fn depth_codes(api: Api, kind: DepthKind, z: f32, range: [f32; 2]) -> CodeSe
     match (kind, api) {
         (DepthKind::Unorm(_), Api::Vulkan) => {
             let clamped = z.max(range[0]).min(range[1]).clamp(0.0, 1.0);
-            store(&Span::point(Real::exact(f64::from(clamped))), channel(kind), Store::Neighbours)
+            store(&Span::point(Real::exact(f64::from(clamped))), channel_kind(kind), Store::Neighbours)
         }
-        _ => CodeSet::only(channel(kind), kind.encode(z, range)).with_both_zeros(channel(kind)),
+        _ => CodeSet::only(channel_kind(kind), kind.encode(z, range)).with_both_zeros(channel_kind(kind)),
     }
 }
 
@@ -76,13 +78,13 @@ impl DepthStencilCase<'_> {
         let function = self.state.depth_compare.unwrap_or_default();
         let writes = self.state.depth_write_enabled == Some(true);
         let codes = depth_codes(api, kind, self.z, self.range);
-        let same_depth = |a: u32, b: u32| CodeSet::only(channel(kind), a).contains(channel(kind), b);
+        let same_depth = |a: u32, b: u32| CodeSet::only(channel_kind(kind), a).contains(channel_kind(kind), b);
         let kept = same_depth(self.stored.depth, got.depth);
         let agrees = |passed: bool, code: u32| {
             let written = passed && stencil_passed && writes;
             got.stencil == stencil_for(passed) && if written { same_depth(code, got.depth) } else { kept }
         };
-        codes.codes(channel(kind), 4).into_iter().any(|code| {
+        codes.codes(channel_kind(kind), 4).into_iter().any(|code| {
             let converted = match kind {
                 DepthKind::Unorm(_) => compare(function, &code, &self.stored.depth),
                 DepthKind::Float32 => compare(function, &f32::from_bits(code), &f32::from_bits(self.stored.depth)),

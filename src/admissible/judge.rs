@@ -105,9 +105,9 @@ impl Judge {
     fn each_set(&self, api: Api, inputs: &ColorInputs, class: Class, mut found: impl FnMut(usize, CodeSet) -> bool) {
         let kinds = inputs.format.channels();
         for variant in self.variants(api, inputs, class) {
-            for operands in self.operands(api, inputs, &variant) {
-                let results = results(&variant.blender, inputs, &operands);
-                for (i, result) in results.iter().enumerate().filter(|(i, _)| variant.channels[*i]) {
+            let stopped = self.each_operands(api, inputs, &variant, &mut |operands| {
+                let results = results(&variant.blender, inputs, operands);
+                results.iter().enumerate().filter(|(i, _)| variant.channels[*i]).any(|(i, result)| {
                     let float = inputs.format.class() == TargetClass::Float;
                     let undefined = api == Api::Vulkan && result.special && !(float && self.policy.vulkan_specials);
                     let set = match kinds[i] {
@@ -121,10 +121,11 @@ impl Judge {
                         kind => store::store(result, kind, variant.store),
                     };
                     let free_zero = api == Api::Vulkan || inputs.blend.is_some();
-                    if found(i, if free_zero { set.with_both_zeros(kinds[i]) } else { set }) {
-                        return;
-                    }
-                }
+                    found(i, if free_zero { set.with_both_zeros(kinds[i]) } else { set })
+                })
+            });
+            if stopped {
+                return;
             }
         }
     }
@@ -199,9 +200,31 @@ impl Judge {
         }
     }
 
-    /// What the equation may read: one set of operands, or every quantisation of the sources that a blender in codes may
-    /// start from.
-    fn operands(&self, api: Api, inputs: &ColorInputs, variant: &Variant) -> Vec<Operands<Span>> {
+    /// Calls `visit` with what the equation may read, until it returns true, and says whether it did: one set of operands,
+    /// or every quantisation of the sources that a blender in codes may start from.
+    fn each_operands(
+        &self,
+        api: Api,
+        inputs: &ColorInputs,
+        variant: &Variant,
+        visit: &mut dyn FnMut(&Operands<Span>) -> bool,
+    ) -> bool {
+        let mut operands = self.plain(inputs, variant);
+        let Some(state) = &inputs.blend else { return visit(&operands) };
+        match variant.blender.precision {
+            Precision::Codes(steps) => quantised(api, &slots(state), &mut operands, steps, visit),
+            Precision::Float(layout) if layout != FloatLayout::SINGLE => {
+                for color in [&mut operands.src, &mut operands.src1, &mut operands.constant] {
+                    color.iter_mut().for_each(|x| *x = variant.blender.round(*x));
+                }
+                visit(&operands)
+            }
+            _ => visit(&operands),
+        }
+    }
+
+    /// The operands as they come.
+    fn plain(&self, inputs: &ColorInputs, variant: &Variant) -> Operands<Span> {
         let class = inputs.format.class();
         let float = class == TargetClass::Float;
         let range = inputs.format.channels().into_iter().find_map(|kind| match kind {
@@ -220,26 +243,11 @@ impl Judge {
                 _ => span,
             }
         };
-        let dst = load(&variant.blender, inputs.format, inputs.dst);
-        let plain = Operands {
+        Operands {
             src: inputs.src.map(take),
             src1: inputs.src1.map(take),
             constant: inputs.constant.map(take),
-            dst,
-        };
-        let Some(state) = &inputs.blend else { return vec![plain] };
-        match variant.blender.precision {
-            Precision::Codes(steps) => quantised(api, state, &plain, steps),
-            Precision::Float(layout) if layout != FloatLayout::SINGLE => {
-                let round = |color: [Span; 4]| color.map(|x| variant.blender.round(x));
-                vec![Operands {
-                    src: round(plain.src),
-                    src1: round(plain.src1),
-                    constant: round(plain.constant),
-                    dst: plain.dst,
-                }]
-            }
-            _ => vec![plain],
+            dst: load(&variant.blender, inputs.format, inputs.dst),
         }
     }
 }
@@ -247,36 +255,51 @@ impl Judge {
 /// One color of the operands.
 type Color = fn(&mut Operands<Span>) -> &mut [Span; 4];
 
-/// Every combination of the codes that the sources in use may be quantised to, and of leaving them as they are. Red,
-/// green and blue of one source go together: no channel reads another's.
-fn quantised(api: Api, state: &BlendState, plain: &Operands<Span>, steps: u32) -> Vec<Operands<Span>> {
-    let [second, constant] = [
-        |factor: BlendFactor| factor.ref_second_blend_source(),
-        |factor: BlendFactor| matches!(factor, BlendFactor::Constant | BlendFactor::OneMinusConstant),
-    ]
-    .map(|reads: fn(BlendFactor) -> bool| {
-        [state.color, state.alpha].iter().any(|c| reads(c.src_factor) || reads(c.dst_factor))
-    });
-    let mut all = vec![plain.clone()];
-    let groups: [(bool, Color); 3] =
-        [(true, |o| &mut o.src), (second, |o| &mut o.src1), (constant, |o| &mut o.constant)];
-    for (used, color) in groups {
-        for channels in [0..3, 3..4] {
-            let rules: &[Quantise] =
-                if used { &[Quantise::Not, Quantise::Down, Quantise::Up] } else { &[Quantise::Not] };
-            all = all
-                .iter()
-                .flat_map(|operands| rules.iter().map(|rule| (operands.clone(), *rule)))
-                .map(|(mut operands, rule)| {
-                    let values = color(&mut operands);
-                    values[channels.clone()].iter_mut().for_each(|x| *x = rule.apply(api, x, steps));
-                    operands
-                })
-                .collect();
-            all.dedup_by(|a, b| a.src == b.src && a.src1 == b.src1 && a.constant == b.constant);
-        }
+/// Channels that are quantised together.
+type Slot = (Color, std::ops::Range<usize>);
+
+/// The sources a state reads. Red, green and blue of one source go together: no channel reads another's.
+fn slots(state: &BlendState) -> Vec<Slot> {
+    let reads = |wanted: fn(BlendFactor) -> bool| {
+        [state.color, state.alpha].iter().any(|c| wanted(c.src_factor) || wanted(c.dst_factor))
+    };
+    let mut colors: Vec<Color> = vec![|o| &mut o.src];
+    if reads(|factor| factor.ref_second_blend_source()) {
+        colors.push(|o| &mut o.src1);
     }
-    all
+    if reads(|factor| matches!(factor, BlendFactor::Constant | BlendFactor::OneMinusConstant)) {
+        colors.push(|o| &mut o.constant);
+    }
+    colors.into_iter().flat_map(|color| [(color, 0..3), (color, 3..4)]).collect()
+}
+
+/// Visits every combination of the codes that the slots may be quantised to, and of leaving them as they are, which
+/// comes first.
+fn quantised(
+    api: Api,
+    slots: &[Slot],
+    operands: &mut Operands<Span>,
+    steps: u32,
+    visit: &mut dyn FnMut(&Operands<Span>) -> bool,
+) -> bool {
+    let Some(((color, channels), rest)) = slots.split_first() else { return visit(operands) };
+    let plain = *color(operands);
+    let mut before = None;
+    for rule in [Quantise::Not, Quantise::Down, Quantise::Up] {
+        let mut values = plain;
+        values[channels.clone()].iter_mut().for_each(|x| *x = rule.apply(api, x, steps));
+        // What is a code already comes out the same each time.
+        if before.is_some_and(|before| before == values) {
+            continue;
+        }
+        *color(operands) = values;
+        if quantised(api, rest, operands, steps, visit) {
+            return true;
+        }
+        before = Some(values);
+    }
+    *color(operands) = plain;
+    false
 }
 
 #[derive(Clone, Copy)]

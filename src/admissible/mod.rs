@@ -23,6 +23,8 @@
 //! 3.1, 3.2, 17.5 to 17.18, 19.1.2; WebGPU, *Rendering Operations*.
 
 mod blender;
+mod counterexample;
+mod counts;
 mod coverage;
 mod depth;
 mod judge;
@@ -32,8 +34,9 @@ mod store;
 #[cfg(test)]
 mod tests;
 
+pub use counts::Counts;
 pub use coverage::judge_coverage;
-pub use depth::{DepthStencilCase, depth_codes, judge_depth_stencil};
+pub use depth::{DepthStencilCase, channel_kind, depth_codes, judge_depth_stencil};
 pub use judge::{Judge, Judgement};
 pub use store::CodeSet;
 

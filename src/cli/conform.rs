@@ -1,4 +1,4 @@
-//! `outmerge conform`: a device against numeric models, bit for bit.
+//! `outmerge conform`: a device against numeric models, bit for bit, and against specifications.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -7,11 +7,12 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand};
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::judge::Judging;
 use super::{Failure, Outcome, output};
 use crate::conform::log::Log;
 use crate::conform::result::VERSION;
 use crate::conform::run::Subject;
-use crate::conform::{Level, Results, Shard, Unit, junit, level, table};
+use crate::conform::{Level, Panel, Results, Shard, Unit, junit, level, table};
 use crate::crosscheck::{Device, OpenOptions, adapter};
 use crate::model::registry;
 
@@ -56,9 +57,12 @@ struct Sweep {
     /// Part of the adapter's name or driver.
     #[arg(long, short)]
     adapter: Option<String>,
-    /// Model that must match, exit 1 if it does not; all models, to say which fits, unless given. May be repeated.
+    /// Model that must match, exit 1 if it does not; all models, to say which fits, unless given or --spec is. May be
+    /// repeated.
     #[arg(long, short)]
     model: Vec<String>,
+    #[command(flatten)]
+    judging: Judging,
     /// How thorough.
     #[arg(long, short, value_enum, default_value_t = Level::Quick)]
     level: Level,
@@ -125,7 +129,8 @@ impl Merge {
         }
         output::print(&table::text(&results))?;
         let matched = results.totals().values().any(|total| total.mismatches == 0 && total.states > 0);
-        Ok(if matched { Outcome::Fine } else { Outcome::Finding })
+        let outside = results.spec_totals().values().any(|spec| spec.texels.outside > 0 || spec.texels.total() == 0);
+        Ok(if (matched || results.models.is_empty()) && !outside { Outcome::Fine } else { Outcome::Finding })
     }
 }
 
@@ -140,12 +145,13 @@ impl Sweep {
             output::print(&units.iter().map(|unit| unit.id() + "\n").collect::<String>())?;
             return Ok(Outcome::Fine);
         }
-        let names = if self.model.is_empty() {
+        let names = if self.model.is_empty() && self.judging.spec.is_empty() {
             registry::all().iter().map(|model| model.name()).collect()
         } else {
             self.model.clone()
         };
         let subjects = names.iter().map(|name| Subject::new(name)).collect::<Result<Vec<_>, _>>()?;
+        let panel = Panel { subjects, judges: self.judging.judges() };
         adapter::reexec_without_shader_cache()?;
         let options = OpenOptions {
             adapter: self.adapter.clone(),
@@ -158,10 +164,11 @@ impl Sweep {
             adapter: device.report().to_string(),
             level: self.level,
             shards: vec![self.shard.to_string()],
-            models: subjects.iter().map(|subject| subject.name.clone()).collect(),
+            models: panel.subjects.iter().map(|subject| subject.name.clone()).collect(),
+            specs: panel.judges.iter().map(|judge| judge.spec.name().to_owned()).collect(),
             units: Vec::new(),
         };
-        self.sweep(&device, &subjects, &units, &mut results)?;
+        self.sweep(&device, &panel, &units, &mut results)?;
         if let Some(path) = &self.json_file {
             write_json(path, &results)?;
         }
@@ -184,17 +191,12 @@ impl Sweep {
         }
         let failed = results.totals().values().any(|total| total.mismatches > 0 || total.states == 0);
         let named = !self.model.is_empty();
-        Ok(if named && failed { Outcome::Finding } else { Outcome::Fine })
+        let outside = results.spec_totals().values().any(|spec| spec.texels.outside > 0 || spec.texels.total() == 0);
+        Ok(if (named && failed) || outside { Outcome::Finding } else { Outcome::Fine })
     }
 
     /// Runs the units that the log does not have yet.
-    fn sweep(
-        &self,
-        device: &Device,
-        subjects: &[Subject],
-        units: &[Unit],
-        results: &mut Results,
-    ) -> Result<(), Failure> {
+    fn sweep(&self, device: &Device, panel: &Panel, units: &[Unit], results: &mut Results) -> Result<(), Failure> {
         let (mut log, known) = match &self.log {
             Some(path) => Log::open(path, results).map(|(log, known)| (Some(log), known))?,
             None => (None, BTreeMap::new()),
@@ -205,7 +207,7 @@ impl Sweep {
         bar.set_position((units.len() - missing.len()) as u64);
         let mut outcomes = known;
         let mut failure: Option<Failure> = None;
-        crate::conform::run(device, subjects, &missing, |outcome| {
+        crate::conform::run(device, panel, &missing, |outcome| {
             bar.inc(1);
             bar.set_message(outcome.unit.clone());
             if let Some(Err(error)) = log.as_mut().map(|log| log.add(&outcome)) {

@@ -7,6 +7,7 @@ mod bound;
 mod conform;
 mod explain;
 mod fixpoint;
+mod judge;
 mod limits;
 mod lint;
 mod list;

@@ -1,4 +1,4 @@
-//! `outmerge vectors`: apply, check, generate, record.
+//! `outmerge vectors`: apply, check, judge, generate, record.
 
 use std::path::PathBuf;
 
@@ -17,6 +17,8 @@ pub(super) enum Vectors {
     Apply(Apply),
     /// Compare `out` of every line with a model; exit 1 on any mismatch.
     Check(Check),
+    /// Hold `out` of every line against what specifications admit; exit 1 if a result is outside.
+    Judge(super::judge::JudgeVectors),
     /// Write lines with random states and awkward inputs, filled in by a model.
     Generate(Generate),
     /// Write lines filled in by a Vulkan device: an input file's, or random ones.
@@ -84,6 +86,7 @@ impl Vectors {
         match self {
             Self::Apply(command) => command.run(),
             Self::Check(command) => command.run(),
+            Self::Judge(command) => command.run(),
             Self::Generate(command) => command.run(),
             #[cfg(feature = "gpu")]
             Self::Record(command) => command.run(),
@@ -92,7 +95,7 @@ impl Vectors {
 }
 
 /// An error of the file `path`.
-fn in_file(path: &std::path::Path, error: vectors::VectorError) -> Failure {
+pub(super) fn in_file(path: &std::path::Path, error: vectors::VectorError) -> Failure {
     match error {
         // A closed pipe must stay recognisable.
         vectors::VectorError::Io(error) if error.kind() == std::io::ErrorKind::BrokenPipe => error.into(),

@@ -27,7 +27,7 @@ pub(super) fn run(
     format: ColorFormat,
     states: States,
     texels: u32,
-    tally: &mut Tally,
+    tally: &mut Tally<'_>,
 ) -> Result<(), ReplayError> {
     let extent = extent(texels)?;
     // States with a second source, on a device without one.
@@ -88,7 +88,7 @@ fn run_states(
     subjects: &[Subject],
     line: &VectorLine,
     states: &[(Option<BlendState>, ColorWrites, [f32; 4])],
-    tally: &mut Tally,
+    tally: &mut Tally<'_>,
 ) -> Result<(), ReplayError> {
     let format = line.format;
     let texels = u32::try_from(line.len()).expect("units have at most 2^22 texels");
@@ -132,22 +132,35 @@ fn run_states(
             };
             let compared = compare(line.len(), |i| same_codes(channels, texel(format, got, i), expected(i)));
             tally.add(s, compared, |i| {
-                let state = blend.map_or("blending off".to_owned(), |b| {
-                    format!("color {}, alpha {}", component_name(&b.color), component_name(&b.alpha))
-                });
-                let inputs: ColorInputs = inputs(i);
-                format!(
-                    "{state}, mask {}, constant {constant:?}: source {:?}, second source {:?}, stored {:x?}: expected \
-                     {:x?}, got {:x?}",
-                    mask.bits(),
-                    inputs.src,
-                    inputs.src1,
-                    inputs.dst,
-                    expected(i),
-                    texel(format, got, i)
-                )
+                let (expected, got) = (expected(i), texel(format, got, i));
+                format!("{}: expected {expected:x?}, got {got:x?}", describe(blend, mask, &inputs(i)))
             });
+        }
+        for bench in &mut tally.benches {
+            let judge = bench.judge;
+            let verdict = |i| judge.judge(&inputs(i), mask, texel(format, got, i)).verdict;
+            bench.hear(line.len(), verdict, |i| {
+                let inputs: ColorInputs = inputs(i);
+                let why = judge.counterexample(&inputs, mask, texel(format, got, i));
+                format!("{}: {why}", describe(blend, mask, &inputs))
+            });
+            bench.close();
         }
         ControlFlow::Continue(())
     })
+}
+
+/// A state and a fragment in words.
+fn describe(blend: Option<BlendState>, mask: ColorWrites, inputs: &ColorInputs) -> String {
+    let state = blend.map_or("blending off".to_owned(), |b| {
+        format!("color {}, alpha {}", component_name(&b.color), component_name(&b.alpha))
+    });
+    format!(
+        "{state}, mask {}, constant {:?}: source {:?}, second source {:?}, stored {:x?}",
+        mask.bits(),
+        inputs.constant,
+        inputs.src,
+        inputs.src1,
+        inputs.dst
+    )
 }

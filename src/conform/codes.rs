@@ -100,7 +100,9 @@ impl Draw<'_> {
 }
 
 /// Models that are too slow are not compared.
-fn leave_out(subjects: &[Subject], tally: &mut Tally) {
+fn leave_out(subjects: &[Subject], tally: &mut Tally<'_>) {
+    let reason = "too slow for every 8-bit input; judged at the other levels";
+    tally.benches.iter_mut().for_each(|bench| bench.leave_out(reason));
     for (subject, outcome) in subjects.iter().zip(&mut tally.models) {
         if !subject.exhaustive {
             let reason = "too slow for every 8-bit input; compared at the other levels";
@@ -115,7 +117,7 @@ pub(super) fn run(
     device: &Device,
     subjects: &[Subject],
     src_factor: BlendFactor,
-    tally: &mut Tally,
+    tally: &mut Tally<'_>,
 ) -> Result<(), ReplayError> {
     leave_out(subjects, tally);
     let mut states = equal_states(src_factor);
@@ -181,7 +183,7 @@ pub(super) fn run_both_alphas(
     device: &Device,
     subjects: &[Subject],
     component: BlendComponent,
-    tally: &mut Tally,
+    tally: &mut Tally<'_>,
 ) -> Result<(), ReplayError> {
     leave_out(subjects, tally);
     let blend = BlendState { color: component, alpha: component };
@@ -211,7 +213,7 @@ fn draw(
     subjects: &[Subject],
     blends: &[BlendState],
     draws: &[Draw<'_>],
-    tally: &mut Tally,
+    tally: &mut Tally<'_>,
 ) -> Result<(), ReplayError> {
     let format = ColorFormat::new(TextureFormat::Rgba8Unorm).expect("a color format");
     let jobs = draws.iter().map(|draw| Job {

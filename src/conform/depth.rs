@@ -5,8 +5,11 @@ use std::ops::ControlFlow;
 use wgpu_types::{CompareFunction, DepthBiasState, DepthStencilState, StencilState, TextureFormat};
 
 use super::run::{Compared, Subject, Tally, compare};
+use super::spec::Bench;
+use crate::admissible::{Api, DepthStencilCase, channel_kind, depth_codes, judge_depth_stencil};
 use crate::crosscheck::{Destination, Device, Input, Job, Program, ReplayError, Sweep};
 use crate::format::DepthFormat;
+use crate::merger::depth_stencil::DepthStencil;
 use crate::state::MergerState;
 use crate::target::{Extent, Framebuffer};
 
@@ -16,7 +19,7 @@ pub(super) fn run(
     subjects: &[Subject],
     format: TextureFormat,
     stride: u32,
-    tally: &mut Tally,
+    tally: &mut Tally<'_>,
 ) -> Result<(), ReplayError> {
     let state = MergerState {
         depth_stencil: Some(DepthStencilState {
@@ -28,7 +31,8 @@ pub(super) fn run(
         }),
         ..MergerState::default()
     };
-    let Some(kind) = DepthFormat::new(format).ok().and_then(DepthFormat::depth) else { return Ok(()) };
+    let Ok(depth_format) = DepthFormat::new(format) else { return Ok(()) };
+    let Some(kind) = depth_format.depth() else { return Ok(()) };
     let texels = (1_u64 << 32).div_ceil(u64::from(stride));
     let extent = Extent::new(2048, 2048)?;
     let each = extent.sample_total() as u64;
@@ -62,8 +66,37 @@ pub(super) fn run(
                     Some(format!("depth {z} (bits {:#x}): expected {expected:#x}, got {:#x}", z.to_bits(), got[i]));
             }
         }
+        for bench in &mut tally.benches {
+            if stride == 1 {
+                bench.leave_out("too slow for all 2^32 depths; judged at the other levels");
+                continue;
+            }
+            let judge = bench.judge;
+            let case = |i: usize| DepthStencilCase {
+                state: state.depth_stencil.as_ref().expect("set above"),
+                format: depth_format,
+                front_facing: true,
+                reference: 0,
+                z: depth(i),
+                range: [0.0, 1.0],
+                // Any: the test always passes.
+                stored: DepthStencil { depth: 0, stencil: 0 },
+            };
+            let verdict = |i: usize| judge_depth_stencil(judge, &case(i), DepthStencil { depth: got[i], stencil: 0 });
+            bench.hear(got.len(), verdict, |i| {
+                let codes = |api: &Api| depth_codes(*api, kind, depth(i), [0.0, 1.0]).codes(channel_kind(kind), 4);
+                let admitted: Vec<Vec<u32>> = judge.spec.apis().iter().map(codes).collect();
+                format!(
+                    "depth {} (bits {:#x}): admitted {admitted:x?}, got {:#x}",
+                    depth(i),
+                    depth(i).to_bits(),
+                    got[i]
+                )
+            });
+        }
         ControlFlow::Continue(())
     })?;
+    tally.benches.iter_mut().for_each(Bench::close);
     tally.states += 1;
     for (s, found) in totals.into_iter().enumerate() {
         tally.add(s, found, |_| firsts[s].clone().unwrap_or_default());

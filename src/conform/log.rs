@@ -31,7 +31,7 @@ pub enum LogError {
         source: serde_json::Error,
     },
     /// The units of another run are not comparable.
-    #[error("{path}: the log belongs to a run with another adapter, level or models; name another log")]
+    #[error("{path}: the log belongs to a run with another adapter, level, models or specifications; name another log")]
     Foreign {
         /// The log.
         path: PathBuf,
@@ -100,7 +100,12 @@ impl Log {
 
 /// What a log's units are comparable with.
 fn header(run: &Results) -> Value {
-    serde_json::json!({ "version": run.version, "adapter": run.adapter, "level": run.level, "models": run.models })
+    let mut header =
+        serde_json::json!({ "version": run.version, "adapter": run.adapter, "level": run.level, "models": run.models });
+    if !run.specs.is_empty() {
+        header["specs"] = run.specs.clone().into();
+    }
+    header
 }
 
 #[cfg(test)]
@@ -116,6 +121,7 @@ mod tests {
             level: Level::Exhaustive,
             shards: vec!["1/1".to_owned()],
             models: vec!["m".to_owned()],
+            specs: Vec::new(),
             units: Vec::new(),
         }
     }
@@ -130,6 +136,7 @@ mod tests {
             not_run: None,
             left_out: None,
             models: BTreeMap::new(),
+            specs: BTreeMap::new(),
         }
     }
 

@@ -1,11 +1,12 @@
-//! Conformance of a device with numeric models: sweeps through a real output merger, compared bit for bit.
+//! Conformance of a device with numeric models, bit for bit, and with specifications, by what they admit: sweeps through
+//! a real output merger.
 //!
 //! A level is a list of [`Unit`]s, each a few seconds to minutes of work with a name that does not change between runs:
 //! units are what shards divide, what a log resumes from, and what results are merged by.
 //!
 //! - [`level`]: which units a level has;
 //! - [`blend`], [`store`], [`depth`], [`codes`]: how each kind of unit is run;
-//! - [`run`](mod@run): a list of units on a device; [`log`]: finished units on disk; [`result`]: what was found;
+//! - [`run`](mod@run): a list of units on a device; [`log`]: finished units on disk; [`result`] and [`spec`]: what was found;
 //! - [`table`] and [`junit`]: the same for people and for CI.
 
 pub mod blend;
@@ -16,9 +17,11 @@ pub mod level;
 pub mod log;
 pub mod result;
 pub mod run;
+pub mod spec;
 pub mod store;
 pub mod table;
 
 pub use level::{Level, Shard, Unit};
 pub use result::{ModelOutcome, Results, UnitOutcome};
-pub use run::run;
+pub use run::{Panel, run};
+pub use spec::SpecOutcome;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::Level;
+use super::{Level, SpecOutcome};
 
 /// Version of the JSON form.
 pub const VERSION: u32 = 1;
@@ -22,6 +22,9 @@ pub struct Results {
     pub shards: Vec<String>,
     /// The models compared with.
     pub models: Vec<String>,
+    /// The specifications held against.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub specs: Vec<String>,
     /// The units, in the level's order.
     pub units: Vec<UnitOutcome>,
 }
@@ -47,6 +50,9 @@ pub struct UnitOutcome {
     pub left_out: Option<String>,
     /// By model.
     pub models: BTreeMap<String, ModelOutcome>,
+    /// By specification.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub specs: BTreeMap<String, SpecOutcome>,
 }
 
 /// How a model fared in a unit.
@@ -79,6 +85,7 @@ impl UnitOutcome {
             not_run: Some(reason.into()),
             left_out: None,
             models: BTreeMap::new(),
+            specs: BTreeMap::new(),
         }
     }
 }
@@ -129,6 +136,9 @@ impl Results {
             if part.models != merged.models {
                 return Err(different("models", merged.models.join(","), part.models.join(",")));
             }
+            if part.specs != merged.specs {
+                return Err(different("specifications", merged.specs.join(","), part.specs.join(",")));
+            }
         }
         for part in parts {
             merged.shards.extend(part.shards);
@@ -155,6 +165,21 @@ impl Results {
                     Some(outcome) if unit.not_run.is_none() => total.add(unit.texels, outcome),
                     _ => total.units_not_run += 1,
                 }
+            }
+        }
+        totals
+    }
+
+    /// Per specification: all its units together.
+    #[must_use]
+    pub fn spec_totals(&self) -> BTreeMap<String, SpecOutcome> {
+        let mut totals: BTreeMap<String, SpecOutcome> = BTreeMap::new();
+        for (unit, (spec, outcome)) in self.units.iter().flat_map(|unit| unit.specs.iter().map(move |s| (unit, s))) {
+            let total = totals.entry(spec.clone()).or_default();
+            total.texels.add(outcome.texels);
+            total.states.add(outcome.states);
+            if let (None, Some(first)) = (&total.first, &outcome.first) {
+                total.first = Some(format!("{}: {first}", unit.unit));
             }
         }
         totals
@@ -211,6 +236,7 @@ mod tests {
             level: Level::Quick,
             shards: vec![shard.to_owned()],
             models: vec!["m".to_owned()],
+            specs: Vec::new(),
             units: vec![UnitOutcome {
                 unit: unit.to_owned(),
                 format: "f".to_owned(),
@@ -220,6 +246,7 @@ mod tests {
                 not_run: None,
                 left_out: None,
                 models: [("m".to_owned(), outcome)].into(),
+                specs: BTreeMap::new(),
             }],
         }
     }

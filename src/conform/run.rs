@@ -7,7 +7,9 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::result::{ModelOutcome, UnitOutcome};
+use super::spec::Bench;
 use super::{Unit, blend, codes, depth, store};
+use crate::admissible::Judge;
 use crate::crosscheck::{Device, ReplayError};
 use crate::format::{ChannelKind, Codes, ColorFormat};
 use crate::model::NumericModel;
@@ -45,19 +47,41 @@ impl Subject {
     }
 }
 
-/// Tallies of one unit: texels and states drawn, and each model's count.
+/// What a device's results are held against.
+#[derive(Debug, Default)]
+pub struct Panel {
+    /// Models, bit for bit.
+    pub subjects: Vec<Subject>,
+    /// Specifications, by the codes they admit.
+    pub judges: Vec<Judge>,
+}
+
+impl From<Vec<Subject>> for Panel {
+    fn from(subjects: Vec<Subject>) -> Self {
+        Self { subjects, judges: Vec::new() }
+    }
+}
+
+/// Tallies of one unit: texels and states drawn, and each model's and each judge's count.
 #[derive(Debug)]
-pub(super) struct Tally {
+pub(super) struct Tally<'a> {
     pub texels: u64,
     pub states: u64,
     /// States the device cannot run, in words.
     pub left_out: Option<String>,
     pub models: Vec<ModelOutcome>,
+    pub benches: Vec<Bench<'a>>,
 }
 
-impl Tally {
-    pub(super) fn new(subjects: &[Subject]) -> Self {
-        Self { texels: 0, states: 0, left_out: None, models: vec![ModelOutcome::default(); subjects.len()] }
+impl<'a> Tally<'a> {
+    pub(super) fn new(panel: &'a Panel) -> Self {
+        Self {
+            texels: 0,
+            states: 0,
+            left_out: None,
+            models: vec![ModelOutcome::default(); panel.subjects.len()],
+            benches: panel.judges.iter().map(Bench::new).collect(),
+        }
     }
 
     /// Adds one state's comparison with model number `i`.
@@ -117,17 +141,12 @@ pub(super) fn texel(format: ColorFormat, bytes: &[u8], i: usize) -> Codes {
 /// Runs units in order and hands each outcome to `done`, which may end the run.
 ///
 /// A unit the device refuses counts as not run, with the reason; so do all units after the device was lost or hung.
-pub fn run(
-    device: &Device,
-    subjects: &[Subject],
-    units: &[Unit],
-    mut done: impl FnMut(UnitOutcome) -> ControlFlow<()>,
-) {
+pub fn run(device: &Device, panel: &Panel, units: &[Unit], mut done: impl FnMut(UnitOutcome) -> ControlFlow<()>) {
     let mut fault: Option<String> = None;
     for unit in units {
         let outcome = match &fault {
             Some(reason) => UnitOutcome::not_run(unit, format!("the device failed before: {reason}")),
-            None => run_unit(device, subjects, unit).unwrap_or_else(|error| {
+            None => run_unit(device, panel, unit).unwrap_or_else(|error| {
                 if let ReplayError::Device(device_fault) = &error
                     && device_fault.is_final()
                 {
@@ -142,14 +161,15 @@ pub fn run(
     }
 }
 
-fn run_unit(device: &Device, subjects: &[Subject], unit: &Unit) -> Result<UnitOutcome, ReplayError> {
+fn run_unit(device: &Device, panel: &Panel, unit: &Unit) -> Result<UnitOutcome, ReplayError> {
     if let Unit::Blend { format, .. } | Unit::Store { format, .. } = unit
         && !device.renders(format.texture_format())
     {
         return Ok(UnitOutcome::not_run(unit, format!("the adapter does not render to {}", format.name())));
     }
     let started = Instant::now();
-    let mut tally = Tally::new(subjects);
+    let mut tally = Tally::new(panel);
+    let subjects = panel.subjects.as_slice();
     match unit {
         Unit::Blend { format, states, texels } => {
             if matches!(states, super::level::States::Equal { .. }) && !device.blends(*format) {
@@ -166,6 +186,7 @@ fn run_unit(device: &Device, subjects: &[Subject], unit: &Unit) -> Result<UnitOu
         Unit::CodesBothAlphas { component } => codes::run_both_alphas(device, subjects, *component, &mut tally)?,
     }
     let names = subjects.iter().map(|subject| subject.name.clone());
+    let specs = tally.benches.into_iter().map(|bench| (bench.judge.spec.name().to_owned(), bench.outcome));
     Ok(UnitOutcome {
         unit: unit.id(),
         format: unit.format_name().to_owned(),
@@ -175,5 +196,6 @@ fn run_unit(device: &Device, subjects: &[Subject], unit: &Unit) -> Result<UnitOu
         not_run: None,
         left_out: tally.left_out,
         models: names.zip(tally.models).collect::<BTreeMap<_, _>>(),
+        specs: specs.collect(),
     })
 }

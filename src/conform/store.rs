@@ -5,7 +5,10 @@
 
 use std::ops::ControlFlow;
 
+use wgpu_types::ColorWrites;
+
 use super::run::{Subject, Tally, compare, same_codes, texel};
+use super::spec::Bench;
 use crate::crosscheck::{Destination, Device, Input, Job, Program, ReplayError, Sweep};
 use crate::format::{Codes, ColorFormat};
 use crate::model::ColorInputs;
@@ -26,7 +29,7 @@ pub(super) fn run(
     format: ColorFormat,
     stride: u32,
     rotation: u32,
-    tally: &mut Tally,
+    tally: &mut Tally<'_>,
 ) -> Result<(), ReplayError> {
     let state = MergerState::single(format.texture_format().into());
     // All patterns, four a texel.
@@ -50,26 +53,22 @@ pub(super) fn run(
     sweep.run(jobs, |number, outcome| {
         let got = outcome.color(0);
         let start = first(number as u64);
+        let source = |i: usize| -> [f32; 4] {
+            let n = start.wrapping_add(u32::try_from(i).unwrap_or(u32::MAX));
+            program.outputs[0].map(|input| input.value(n, &[]))
+        };
+        let inputs = |src| ColorInputs { format, blend: None, constant: [0.0; 4], src, src1: [0.0; 4], dst: [0; 4] };
         // The last job may go on past the end; its texels wrap around to patterns seen before.
         tally.texels += each;
         for (s, subject) in subjects.iter().enumerate() {
-            let source = |i: usize| -> [f32; 4] {
-                let n = start.wrapping_add(u32::try_from(i).unwrap_or(u32::MAX));
-                program.outputs[0].map(|input| input.value(n, &[]))
-            };
-            let expected: Box<dyn Fn(usize) -> Codes + Sync> = match subject.llvmpipe {
-                Some(model) => Box::new(move |i| model.store(format, source(i))),
+            let expected: Box<dyn Fn(usize) -> Codes + Sync> = match &subject.llvmpipe {
+                Some(model) => Box::new(|i| model.store(format, source(i))),
                 None if stride == 1 && !subject.exhaustive => {
                     let reason = "too slow for all 2^32 stores; compared at the other levels";
                     tally.models[s].not_run = Some(reason.to_owned());
                     continue;
                 }
-                None => Box::new(move |i| {
-                    let zeros = [0.0; 4];
-                    let src = source(i);
-                    let inputs = ColorInputs { format, blend: None, constant: zeros, src, src1: zeros, dst: [0; 4] };
-                    subject.model.merge_color(&inputs)
-                }),
+                None => Box::new(|i| subject.model.merge_color(&inputs(source(i)))),
             };
             if let Err(reason) = subject.model.supports(format, None) {
                 tally.models[s].not_run = Some(reason.reason.to_owned());
@@ -90,8 +89,21 @@ pub(super) fn run(
                 ));
             }
         }
+        for bench in &mut tally.benches {
+            if stride == 1 {
+                bench.leave_out("too slow for all 2^32 stores; judged at the other levels");
+                continue;
+            }
+            let judge = bench.judge;
+            let verdict = |i| judge.judge(&inputs(source(i)), ColorWrites::ALL, texel(format, got, i)).verdict;
+            bench.hear(got.len() / format.bytes_per_texel(), verdict, |i| {
+                let why = judge.counterexample(&inputs(source(i)), ColorWrites::ALL, texel(format, got, i));
+                format!("store of {:?}: {why}", source(i))
+            });
+        }
         ControlFlow::Continue(())
     })?;
+    tally.benches.iter_mut().for_each(Bench::close);
     tally.states += 1;
     for (s, found) in compared.into_iter().enumerate() {
         if tally.models[s].not_run.is_none() {

@@ -3,28 +3,48 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use super::SpecOutcome;
 use super::result::{Results, Totals};
+use crate::admissible::Verdict;
 
 /// The table, what was not run and why, and a verdict for each model.
 #[must_use]
 pub fn text(results: &Results) -> String {
     let mut text = format!("{}\nlevel {}, shard {}\n\n", results.adapter, results.level, results.shards.join(", "));
-    let _ = write!(text, "{:18}{:>14}", "states matched", "texels");
-    for model in &results.models {
-        let _ = write!(text, " {model:>14}");
-    }
-    text.push('\n');
-    for (format, texels, cells) in rows(results) {
-        let _ = write!(text, "{format:18}{texels:>14}");
-        for cell in cells {
-            let _ = write!(text, " {cell:>14}");
+    if !results.models.is_empty() {
+        let _ = write!(text, "{:18}{:>14}", "states matched", "texels");
+        for model in &results.models {
+            let _ = write!(text, " {model:>14}");
         }
         text.push('\n');
+        for (format, texels, cells) in rows(results) {
+            let _ = write!(text, "{format:18}{texels:>14}");
+            for cell in cells {
+                let _ = write!(text, " {cell:>14}");
+            }
+            text.push('\n');
+        }
+    }
+    for spec in &results.specs {
+        let _ = write!(text, "\n{:18}{:>14}", format!("states by {spec}"), "texels");
+        Verdict::NAMES.iter().for_each(|name| text.push_str(&format!(" {name:>9}")));
+        text.push('\n');
+        for (format, outcome) in spec_rows(results, spec) {
+            let _ = write!(text, "{format:18}{:>14}", outcome.texels.total());
+            outcome.states.in_order().iter().for_each(|count| text.push_str(&format!(" {count:>9}")));
+            text.push('\n');
+        }
     }
     for line in not_run(results) {
         let _ = writeln!(text, "not run: {line}");
     }
     text.push('\n');
+    for (spec, outcome) in results.spec_totals() {
+        let _ = writeln!(text, "{spec:14} {}", spec_verdict(&outcome));
+        if let Some(first) = &outcome.first {
+            let _ = writeln!(text, "{:14} first in {first}", "");
+        }
+    }
     for (model, total) in results.totals() {
         let _ = writeln!(text, "{model:14} {}", verdict(total));
         if let Some((unit, first)) = first_difference(results, &model) {
@@ -37,17 +57,44 @@ pub fn text(results: &Results) -> String {
 /// The same as a Markdown page.
 #[must_use]
 pub fn markdown(results: &Results) -> String {
+    let arguments: String = results.specs.iter().map(|spec| format!(" --spec {spec}")).collect();
+    let title = if results.models.is_empty() { "What specifications say of" } else { "Which models match" };
+    let models = "A state matches a model when every texel does, bit for bit.";
+    let specs =
+        "A state counts in the narrowest class that holds all its texels; where every result conforms, as undefined.";
+    let rule = match (results.models.is_empty(), results.specs.is_empty()) {
+        (true, _) => specs.to_owned(),
+        (_, true) => models.to_owned(),
+        _ => format!("{models} {specs}"),
+    };
     let mut text = format!(
-        "# Which models match {}\n\nMade by `outmerge conform --level {} --markdown FILE`. A state matches when every texel \
-         does, bit for bit.\n\n",
+        "# {title} {}\n\nMade by `outmerge conform --level {}{arguments} --markdown FILE`. {rule}\n\n",
         results.adapter, results.level
     );
-    let _ = writeln!(text, "| states matched | texels | {} |", results.models.join(" | "));
-    let _ = writeln!(text, "|---|--:|{}", "--:|".repeat(results.models.len()));
-    for (format, texels, cells) in rows(results) {
-        let _ = writeln!(text, "| {format} | {texels} | {} |", cells.join(" | "));
+    if !results.models.is_empty() {
+        let _ = writeln!(text, "| states matched | texels | {} |", results.models.join(" | "));
+        let _ = writeln!(text, "|---|--:|{}", "--:|".repeat(results.models.len()));
+        for (format, texels, cells) in rows(results) {
+            let _ = writeln!(text, "| {format} | {texels} | {} |", cells.join(" | "));
+        }
+        text.push('\n');
     }
-    text.push('\n');
+    for spec in &results.specs {
+        let _ = writeln!(text, "| states by {spec} | texels | {} |", Verdict::NAMES.join(" | "));
+        let _ = writeln!(text, "|---|--:|{}", "--:|".repeat(Verdict::NAMES.len()));
+        for (format, outcome) in spec_rows(results, spec) {
+            let cells = outcome.states.in_order().map(|count| count.to_string()).join(" | ");
+            let _ = writeln!(text, "| {format} | {} | {cells} |", outcome.texels.total());
+        }
+        text.push('\n');
+    }
+    for (spec, outcome) in results.spec_totals() {
+        let _ = write!(text, "- `{spec}` {}", spec_verdict(&outcome));
+        if let Some(first) = &outcome.first {
+            let _ = write!(text, ". First in {first}");
+        }
+        text.push('\n');
+    }
     for (model, total) in results.totals() {
         let _ = write!(text, "- `{model}` {}", verdict(total));
         if let Some((unit, first)) = first_difference(results, &model) {
@@ -85,8 +132,10 @@ fn not_run(results: &Results) -> Vec<String> {
         if let Some(reason) = &unit.left_out {
             lines.push(format!("in {}: {reason}", unit.unit));
         }
-        for (model, outcome) in &unit.models {
-            if let Some(reason) = &outcome.not_run {
+        let models = unit.models.iter().map(|(name, outcome)| (name, &outcome.not_run));
+        let specs = unit.specs.iter().map(|(name, outcome)| (name, &outcome.not_run));
+        for (model, reason) in models.chain(specs) {
+            if let Some(reason) = reason {
                 let formats = left_out.entry((model, reason)).or_default();
                 if !formats.ends_with(unit.format.as_str()) {
                     let _ = write!(formats, "{}{}", if formats.is_empty() { "" } else { ", " }, unit.format);
@@ -96,6 +145,41 @@ fn not_run(results: &Results) -> Vec<String> {
     }
     lines.extend(left_out.into_iter().map(|((model, reason), formats)| format!("{model} on {formats}: {reason}")));
     lines
+}
+
+/// Each format's verdicts by one specification.
+fn spec_rows(results: &Results, spec: &str) -> BTreeMap<String, SpecOutcome> {
+    let mut rows: BTreeMap<String, SpecOutcome> = BTreeMap::new();
+    for unit in &results.units {
+        if let Some(outcome) = unit.specs.get(spec).filter(|outcome| outcome.texels.total() > 0) {
+            let row = rows.entry(unit.format.clone()).or_default();
+            row.texels.add(outcome.texels);
+            row.states.add(outcome.states);
+        }
+    }
+    rows
+}
+
+/// Undefined results are excluded from what conforms.
+fn spec_verdict(outcome: &SpecOutcome) -> String {
+    let (states, texels) = (outcome.states, outcome.texels);
+    let defined = states.total() - states.undefined;
+    match (defined, states.outside) {
+        (0, _) => "not run".to_owned(),
+        (_, 0) => format!(
+            "conforms: {defined} states ({} exact, {} tight, {} wide), {} texels, and {} more where any result does",
+            states.exact,
+            states.tight,
+            states.wide,
+            texels.total() - texels.undefined,
+            texels.undefined
+        ),
+        (_, outside) => format!(
+            "does not conform: {outside} of {defined} states, {} of {} texels are outside what it admits",
+            texels.outside,
+            texels.total() - texels.undefined
+        ),
+    }
 }
 
 fn verdict(total: Totals) -> String {
@@ -117,6 +201,7 @@ fn first_difference<'a>(results: &'a Results, model: &str) -> Option<(&'a String
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::admissible::Counts;
     use crate::conform::result::VERSION;
     use crate::conform::{Level, ModelOutcome, UnitOutcome};
 
@@ -139,16 +224,30 @@ mod tests {
             not_run: None,
             left_out: None,
             models: BTreeMap::new(),
+            specs: BTreeMap::new(),
         };
         let models = [("a", good), ("b", bad), ("c", absent)].map(|(name, outcome)| (name.to_owned(), outcome));
+        let good = SpecOutcome {
+            texels: Counts { exact: 8, undefined: 2, ..Counts::default() },
+            states: Counts { exact: 1, undefined: 1, ..Counts::default() },
+            ..SpecOutcome::default()
+        };
+        let bad = SpecOutcome {
+            texels: Counts { wide: 8, outside: 2, ..Counts::default() },
+            states: Counts { wide: 1, outside: 1, ..Counts::default() },
+            first: Some("red: 101 admitted, got 7".to_owned()),
+            not_run: None,
+        };
+        let specs = [("vulkan".to_owned(), good), ("d3d".to_owned(), bad)];
         Results {
             version: VERSION,
             adapter: "device".to_owned(),
             level: Level::Quick,
             shards: vec!["1/1".to_owned()],
             models: ["a", "b", "c"].map(str::to_owned).into(),
+            specs: vec!["vulkan".to_owned(), "d3d".to_owned()],
             units: vec![
-                UnitOutcome { models: models.into(), ..unit("u") },
+                UnitOutcome { models: models.into(), specs: specs.into(), ..unit("u") },
                 UnitOutcome { not_run: Some("no such format".to_owned()), ..unit("v") },
             ],
         }
@@ -161,6 +260,17 @@ mod tests {
         assert!(text.contains("b              does not fit: 1 of 2 states, 3 of 10 texels differ"), "{text}");
         assert!(text.contains("first in u: expected 1, got 2"), "{text}");
         assert!(text.contains("c              not run"), "{text}");
+    }
+
+    #[test]
+    fn a_specification_is_met_only_if_nothing_is_outside_and_undefined_results_do_not_count() {
+        for text in [text(&results()), markdown(&results())] {
+            let conforms = "conforms: 1 states (1 exact, 0 tight, 0 wide), 8 texels, and 2 more where any result does";
+            assert!(text.contains(conforms), "{text}");
+            assert!(text.contains("does not conform: 1 of 2 states, 2 of 10 texels are outside"), "{text}");
+            assert!(text.contains("irst in u: red: 101 admitted, got 7"), "{text}");
+        }
+        assert!(markdown(&results()).contains("| r8unorm | 10 | 0 | 0 | 1 | 1 | 0 |"), "a row by class");
     }
 
     #[test]

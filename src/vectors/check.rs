@@ -154,7 +154,7 @@ fn supported(model: &dyn NumericModel, number: usize, line: &Line) -> Result<(),
 }
 
 /// Parses line by line; blank lines are passed over.
-fn for_each_line(
+pub(super) fn for_each_line(
     mut input: impl BufRead,
     limits: &Limits,
     mut each: impl FnMut(usize, Line) -> Result<(), VectorError>,

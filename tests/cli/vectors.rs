@@ -166,3 +166,39 @@ fn the_pages_examples_hold() {
         }
     }
 }
+
+/// Straight over on codes 127: 0.5 * 1 + 0.5 * 127/255 is 190.998 codes. Vulkan admits the neighbours of all that a blender
+/// in codes may make of it, D3D's coarsest blender reaches as far, and two codes further nobody does.
+#[test]
+fn judged_results_are_outside_only_beyond_the_widest_class() {
+    let judge = |content: String, arguments: &[&str]| {
+        let mut command = outmerge(&[&["vectors", "judge"], arguments, &["-"]].concat());
+        command.write_stdin(content).output().expect("runs")
+    };
+    let text = |output: &std::process::Output| String::from_utf8_lossy(&output.stdout).into_owned();
+    for spec in ["vulkan", "d3d", "webgpu"] {
+        let exact = judge(LINE.to_owned(), &["--spec", spec]);
+        assert_eq!(exact.status.code(), Some(0), "{spec}: {exact:?}");
+        assert!(text(&exact).contains(&format!("{spec}: conforms, class exact")), "{}", text(&exact));
+        let coarse = judge(LINE.replace("bf7f4080", "be7f4080"), &["--spec", spec]);
+        assert_eq!(coarse.status.code(), Some(0), "{spec}, a neighbour: {}", text(&coarse));
+        assert!(!text(&coarse).contains("class exact"), "{}", text(&coarse));
+        let wrong = judge(LINE.replace("bf7f4080", "b97f4080"), &["--spec", spec]);
+        assert_eq!(wrong.status.code(), Some(1), "{spec}, six codes away: {}", text(&wrong));
+        assert!(text(&wrong).contains("got 185") && text(&wrong).contains("line 1"), "{}", text(&wrong));
+    }
+    // Every specification unless one is named, and layers are not judged.
+    let all = judge(format!("{LINE}\n{DEPTH}\n{LAYERS}\n"), &["--json"]);
+    let reports: serde_json::Value = serde_json::from_slice(&all.stdout).expect("JSON");
+    let names: Vec<&str> = reports.as_array().expect("a list").iter().filter_map(|r| r["spec"].as_str()).collect();
+    assert_eq!(names, ["vulkan", "d3d", "webgpu"], "each");
+    assert_eq!(reports[0]["total"]["not_judged"], 1, "layers");
+    assert_eq!(reports[0]["formats"]["depth24plus-stencil8"]["texels"]["exact"], 2, "depth and stencil");
+    // A stencil value that no text admits.
+    let stencil =
+        judge(DEPTH.replace("0000800000b", "0000800000c").replace("00400007000080000b", "00400007000080000c"), &[]);
+    assert_eq!(stencil.status.code(), Some(1), "{}", text(&stencil));
+    let unknown = judge(LINE.to_owned(), &["--spec", "opengl"]);
+    let message = String::from_utf8_lossy(&unknown.stderr).into_owned();
+    assert!(unknown.status.code() == Some(2) && message.contains("vulkan, d3d or webgpu"), "{message}");
+}

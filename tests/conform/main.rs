@@ -175,3 +175,26 @@ fn a_model_that_does_not_fit_fails_when_it_was_named() {
     assert!(mismatches("exact") > Some(0), "another model");
     assert_eq!(results["version"], 1, "the schema's version");
 }
+
+#[test]
+fn a_specification_that_admits_every_result_passes_and_one_that_does_not_is_a_finding() {
+    if !has_llvmpipe("a_specification_that_admits_every_result_passes_and_one_that_does_not_is_a_finding") {
+        return;
+    }
+    let dir = tempfile::tempdir().expect("a folder");
+    let junit = dir.path().join("junit.xml");
+    let judge = |unit: &str| {
+        let mut command = conform();
+        command.args(adapter()).args(["--spec", "vulkan", "--only", unit]).arg("--junit").arg(&junit);
+        command.assert()
+    };
+    judge("store/rgba16unorm/").code(0).stdout(predicate::str::contains("vulkan         conforms: 1 states"));
+    let xml = std::fs::read_to_string(&junit).expect("JUnit");
+    assert!(xml.contains("vulkan on llvmpipe") && xml.contains("failures=\"0\""), "{xml}");
+    // The driver stores -1.1 as -128, which reads as -1; Vulkan clamps first and stores -127.
+    judge("store/rgba8snorm/").code(1).stdout(
+        predicate::str::contains("does not conform: 1 of 1 states").and(predicate::str::contains("admits exact")),
+    );
+    let xml = std::fs::read_to_string(&junit).expect("JUnit");
+    assert!(xml.contains("failures=\"1\"") && xml.contains("outside what vulkan admits"), "{xml}");
+}

@@ -6,7 +6,7 @@ use std::time::Duration;
 use outmerge::Fragment;
 use outmerge::conform::result::UnitOutcome;
 use outmerge::conform::run::Subject;
-use outmerge::conform::{Level, Unit, level, run};
+use outmerge::conform::{Level, Panel, Unit, level, run};
 use outmerge::crosscheck::{Batch, Device, DeviceError, Layer, OpenError, OpenOptions, Replay, ReplayError};
 use wgpu_types::{Features, TextureFormat};
 
@@ -28,9 +28,9 @@ fn units(formats: &[&str]) -> Vec<Unit> {
 }
 
 fn sweep(device: &Device, units: &[Unit], after_each: impl Fn()) -> Vec<UnitOutcome> {
-    let subjects = [Subject::new("llvmpipe").expect("a model")];
+    let panel = Panel::from(vec![Subject::new("llvmpipe").expect("a model")]);
     let mut outcomes = Vec::new();
-    run(device, &subjects, units, |outcome| {
+    run(device, &panel, units, |outcome| {
         outcomes.push(outcome);
         after_each();
         ControlFlow::Continue(())
