@@ -82,8 +82,8 @@ fn image(data: Data, pixels: usize, seed: u64, is_target: bool) -> Vec<u8> {
             Data::OpaqueTarget => {}
             Data::Premultiplied => {
                 let alpha = u16::from(texel[3]);
-                for i in 0..3 {
-                    texel[i] = u8::try_from((u16::from(texel[i]) * alpha + 127) / 255).expect("at most 255");
+                for color in &mut texel[..3] {
+                    *color = u8::try_from((u16::from(*color) * alpha + 127) / 255).expect("at most 255");
                 }
             }
         }

@@ -7,10 +7,13 @@ use std::time::Instant;
 const SECONDS: f64 = 0.35;
 const ROUNDS: usize = 5;
 
+/// Merges source bytes into target bytes.
+type Run<'a> = Box<dyn FnMut(&[u8], &mut [u8]) + 'a>;
+
 /// Somebody who merges `src` into `dst`.
 pub struct Contender<'a> {
     pub name: String,
-    pub run: Box<dyn FnMut(&[u8], &mut [u8]) + 'a>,
+    pub run: Run<'a>,
 }
 
 impl<'a> Contender<'a> {
