@@ -137,6 +137,9 @@ pub mod lint;
 #[cfg(feature = "json")]
 pub mod vectors;
 
+#[cfg(feature = "json")]
+pub mod identify;
+
 #[cfg(feature = "report")]
 pub mod analysis;
 

@@ -54,7 +54,7 @@ RUSTDOCFLAGS='-D warnings' cargo doc --locked --no-deps --all-features
 step 'Tests'
 cargo test --locked --all-features
 
-for example in toy_renderer trail ui_texture splats wgpu_check texture_report; do
+for example in toy_renderer trail ui_texture splats wgpu_check texture_report identify; do
     step "Example: $example"
     cargo run --quiet --locked --all-features --example "$example"
 done

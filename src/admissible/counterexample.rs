@@ -44,15 +44,17 @@ impl Judge {
 fn equation(explanation: &Explanation, channel: usize) -> String {
     let shown =
         [StepKind::SourceTerm, StepKind::DestinationTerm, StepKind::Result, StepKind::Clamped, StepKind::Scaled];
-    let steps = shown.into_iter().filter_map(|kind| {
+    let line = |kind| {
         let step = explanation.step(kind, channel)?;
         let value = crate::model::decimal(step.value.decimal);
         let sides = [step.formula.as_str(), step.substituted.as_str(), value.as_str()];
         let mut line: Vec<&str> = sides.into_iter().filter(|side| !side.is_empty()).collect();
         line.dedup();
         Some(line.join(" = "))
-    });
-    steps.collect::<Vec<_>>().join(", ")
+    };
+    let steps: Vec<String> = shown.into_iter().filter_map(line).collect();
+    // With blending off nothing is computed.
+    if steps.is_empty() { line(StepKind::Source).unwrap_or_default() } else { steps.join(", ") }
 }
 
 /// A code as readers know it: unorm as a number, floats by value.

@@ -46,7 +46,8 @@ pub fn channel_kind(kind: DepthKind) -> ChannelKind {
 /// The codes a fragment's depth may be converted to, clamped to `range` first.
 ///
 /// Vulkan (through WebGPU, which always clamps): either neighbour; NaN is undefined. D3D: the nearest, ties up; NaN is
-/// the range's lower end. Binary32 depth is stored as it is, with either zero.
+/// the range's lower end. Binary32 depth is stored as it is, with either zero; denormals may be flushed, as a shader's
+/// results may be in both.
 #[must_use]
 pub fn depth_codes(api: Api, kind: DepthKind, z: f32, range: [f32; 2]) -> CodeSet {
     if z.is_nan() && api == Api::Vulkan {
@@ -57,7 +58,14 @@ pub fn depth_codes(api: Api, kind: DepthKind, z: f32, range: [f32; 2]) -> CodeSe
             let clamped = z.max(range[0]).min(range[1]).clamp(0.0, 1.0);
             store(&Span::point(Real::exact(f64::from(clamped))), channel_kind(kind), Store::Neighbours)
         }
-        _ => CodeSet::only(channel_kind(kind), kind.encode(z, range)).with_both_zeros(channel_kind(kind)),
+        _ => {
+            let code = kind.encode(z, range);
+            let mut set = CodeSet::only(channel_kind(kind), code);
+            if kind == DepthKind::Float32 && f32::from_bits(code).is_subnormal() {
+                set.unite(CodeSet::only(channel_kind(kind), 0));
+            }
+            set.with_both_zeros(channel_kind(kind))
+        }
     }
 }
 

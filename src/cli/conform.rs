@@ -72,6 +72,9 @@ struct Sweep {
     /// Only units whose name contains this text; see --list.
     #[arg(long)]
     only: Option<String>,
+    /// Texels for each blend state, in place of the level's.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(64..=2_097_152))]
+    texels: Option<u32>,
     /// Print the names of the units and end.
     #[arg(long)]
     list: bool,
@@ -139,8 +142,12 @@ impl Sweep {
         let wanted = |(place, unit): &(usize, Unit)| {
             self.shard.has(*place) && self.only.as_ref().is_none_or(|text| unit.id().contains(text))
         };
-        let units: Vec<Unit> =
-            level::units(self.level).into_iter().enumerate().filter(wanted).map(|(_, unit)| unit).collect();
+        let units: Vec<Unit> = level::units_of(self.level, self.texels)
+            .into_iter()
+            .enumerate()
+            .filter(wanted)
+            .map(|(_, unit)| unit)
+            .collect();
         if self.list {
             output::print(&units.iter().map(|unit| unit.id() + "\n").collect::<String>())?;
             return Ok(Outcome::Fine);

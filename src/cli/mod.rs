@@ -7,6 +7,7 @@ mod bound;
 mod conform;
 mod explain;
 mod fixpoint;
+mod identify;
 mod judge;
 mod limits;
 mod lint;
@@ -63,7 +64,9 @@ enum Command {
     Stability(stability::Stability),
     /// What storing colors premultiplied costs PNG images: levels left, errors, fringes, a verdict.
     Texture(texture::Texture),
-    /// Apply, check or generate test vectors (JSON lines).
+    /// Which numeric model is this? From samples of a blender, or by asking one.
+    Identify(identify::Identify),
+    /// Apply, check, judge or generate test vectors (JSON lines).
     #[command(subcommand)]
     Vectors(vectors::Vectors),
     /// List the numeric models.
@@ -123,6 +126,7 @@ fn run(command: Command) -> Result<Outcome, Failure> {
         Command::Bound(command) => command.run(),
         Command::Stability(command) => command.run(),
         Command::Texture(command) => command.run(),
+        Command::Identify(command) => command.run(),
         Command::Vectors(command) => command.run(),
         Command::Models(command) => command.run(),
         Command::Formats(command) => command.run(),

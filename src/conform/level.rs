@@ -251,6 +251,18 @@ pub fn units(level: Level) -> Vec<Unit> {
     units
 }
 
+/// The same with another number of texels for each blend state.
+#[must_use]
+pub fn units_of(level: Level, texels: Option<u32>) -> Vec<Unit> {
+    let mut units = units(level);
+    for unit in &mut units {
+        if let (Unit::Blend { texels, .. }, Some(wanted)) = (unit, texels) {
+            *texels = wanted;
+        }
+    }
+    units
+}
+
 /// Over, premultiplied over, additive, and every state whose factors read both source and destination alpha.
 fn both_alphas() -> Vec<BlendComponent> {
     use BlendFactor as F;

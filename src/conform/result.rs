@@ -149,8 +149,13 @@ impl Results {
                 merged.units.push(unit);
             }
         }
-        let order: Vec<String> = super::level::units(merged.level).iter().map(super::Unit::id).collect();
-        merged.units.sort_by_key(|unit| order.iter().position(|id| *id == unit.unit));
+        // Blend units may have another number of texels than the level's, which their names end with.
+        let stem = |id: &str| match id.strip_prefix("blend/").and_then(|rest| rest.match_indices('/').nth(1)) {
+            Some((end, _)) => id[..end + "blend/".len()].to_owned(),
+            None => id.to_owned(),
+        };
+        let order: Vec<String> = super::level::units(merged.level).iter().map(|unit| stem(&unit.id())).collect();
+        merged.units.sort_by_key(|unit| order.iter().position(|id| *id == stem(&unit.unit)));
         Ok(merged)
     }
 

@@ -41,8 +41,8 @@ pub fn text(results: &Results) -> String {
     text.push('\n');
     for (spec, outcome) in results.spec_totals() {
         let _ = writeln!(text, "{spec:14} {}", spec_verdict(&outcome));
-        if let Some(first) = &outcome.first {
-            let _ = writeln!(text, "{:14} first in {first}", "");
+        for deviation in deviations(results, &spec) {
+            let _ = writeln!(text, "{:14} {deviation}", "");
         }
     }
     for (model, total) in results.totals() {
@@ -89,11 +89,10 @@ pub fn markdown(results: &Results) -> String {
         text.push('\n');
     }
     for (spec, outcome) in results.spec_totals() {
-        let _ = write!(text, "- `{spec}` {}", spec_verdict(&outcome));
-        if let Some(first) = &outcome.first {
-            let _ = write!(text, ". First in {first}");
+        let _ = writeln!(text, "- `{spec}` {}", spec_verdict(&outcome));
+        for deviation in deviations(results, &spec) {
+            let _ = writeln!(text, "  - {deviation}");
         }
-        text.push('\n');
     }
     for (model, total) in results.totals() {
         let _ = write!(text, "- `{model}` {}", verdict(total));
@@ -155,9 +154,22 @@ fn spec_rows(results: &Results, spec: &str) -> BTreeMap<String, SpecOutcome> {
             let row = rows.entry(unit.format.clone()).or_default();
             row.texels.add(outcome.texels);
             row.states.add(outcome.states);
+            if let (None, Some(first)) = (&row.first, &outcome.first) {
+                row.first = Some(format!("{}: {first}", unit.unit));
+            }
         }
     }
     rows
+}
+
+/// Formats with results that are not admitted, each with the first of them.
+fn deviations(results: &Results, spec: &str) -> Vec<String> {
+    let outside = spec_rows(results, spec).into_iter().filter(|(_, row)| row.texels.outside > 0);
+    let line = |(format, row): (String, SpecOutcome)| {
+        let (texels, states) = (row.texels.outside, row.states.outside);
+        format!("{format}: {texels} texels in {states} states, first in {}", row.first.unwrap_or_default())
+    };
+    outside.map(line).collect()
 }
 
 /// Undefined results are excluded from what conforms.
@@ -268,7 +280,7 @@ mod tests {
             let conforms = "conforms: 1 states (1 exact, 0 tight, 0 wide), 8 texels, and 2 more where any result does";
             assert!(text.contains(conforms), "{text}");
             assert!(text.contains("does not conform: 1 of 2 states, 2 of 10 texels are outside"), "{text}");
-            assert!(text.contains("irst in u: red: 101 admitted, got 7"), "{text}");
+            assert!(text.contains("r8unorm: 2 texels in 1 states, first in u: red: 101 admitted, got 7"), "{text}");
         }
         assert!(markdown(&results()).contains("| r8unorm | 10 | 0 | 0 | 1 | 1 | 0 |"), "a row by class");
     }

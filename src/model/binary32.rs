@@ -124,7 +124,7 @@ fn nearest(x: f32) -> i32 {
 }
 
 /// Rounds to binary32.
-pub(super) fn narrow(x: f64) -> f32 {
+pub(crate) fn narrow(x: f64) -> f32 {
     #[expect(clippy::cast_possible_truncation, reason = "rounding to binary32 is the purpose")]
     let rounded = x as f32;
     rounded

@@ -5,6 +5,7 @@
 mod analysis;
 mod explain;
 mod golden;
+mod identify;
 mod lint;
 mod plan;
 mod robust;
