@@ -1,12 +1,14 @@
 //! Which numeric model is this? From samples of an unknown blender to the models that reproduce it.
 //!
-//! [`fit`] ranks every candidate on given samples; [`interrogate`] chooses the samples itself, each batch the one that
+//! [`fit()`] ranks every candidate on given samples; [`interrogate()`] chooses the samples itself, each batch the one that
 //! tells the remaining candidates apart best. Candidates are the [named models](crate::model::registry::NAMES) and a
-//! [family](family) of fixed-point blenders. A blender that none of them reproduces is called that, with the best fits
-//! and their mismatch rates.
+//! [`family`] of fixed-point blenders. A blender that none of them reproduces is called that, with the best fits and
+//! their mismatch rates.
 //!
-//! - [`question`]: inputs that look for trouble; - [`candidates`]: the models and the family; - [`score`]: samples against
-//!   candidates; - [`interrogate`](mod@interrogate): the conversation.
+//! - [`question`]: inputs that look for trouble;
+//! - [`mod@candidates`]: the models and the family;
+//! - [`score`]: samples against candidates;
+//! - [`mod@interrogate`]: the conversation.
 
 pub mod candidates;
 pub mod interrogate;
