@@ -71,7 +71,7 @@ pub fn fit(candidates: &[Candidate], samples: &[Sample]) -> Vec<Fit> {
     };
     let mut fits: Vec<Fit> = rest.iter().zip(scored).map(fit).collect();
     // Stable, so equals stay in order; a model that covers fewer samples is no better fit.
-    fits.sort_by(|a, b| (a.mismatches + mixed.len() - a.samples).cmp(&(b.mismatches + mixed.len() - b.samples)));
+    fits.sort_by_key(|fit| fit.mismatches + mixed.len() - fit.samples);
     fits
 }
 
@@ -100,7 +100,7 @@ fn mixed(samples: &[Sample]) -> Vec<Sample> {
 pub(super) fn each<T: Sync, R: Send>(items: &[T], run: impl Fn(&T) -> R + Sync) -> Vec<R> {
     use rayon::prelude::*;
     let run = &run;
-    items.par_iter().map(|item| run(item)).collect()
+    items.par_iter().map(run).collect()
 }
 
 /// The results for each item.
