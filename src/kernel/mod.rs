@@ -6,8 +6,8 @@
 //! the reference merger covers.
 //!
 //! - [`rule`]: how each model rounds, as 16-bit integer arithmetic, with the proof that it is the model;
-//! - [`row`]: operands, factors, terms and write mask of a row;
-//! - [`simd`]: the same code compiled for each instruction set, and the choice between them;
+//! - `unorm8`: the rows of 8-bit targets;
+//! - [`simd`]: instruction sets, the choice between them, and vectors as safe functions;
 //! - [`depth`]: the depth test of a row, which makes the write mask of its texels;
 //! - [`tile`]: many layers at once, tile by tile, so that the target stays in the cache.
 //!
@@ -15,38 +15,31 @@
 //! the machine has.
 
 pub mod depth;
-pub mod row;
-pub mod rule;
 pub mod simd;
 pub mod tile;
+mod unorm8;
 
-pub use rule::Rule;
 pub use simd::Isa;
+pub use unorm8::rule::{self, Rule};
 
-use wgpu_types::{BlendComponent, BlendFactor as F, BlendOperation, ColorTargetState, ColorWrites, TextureFormat};
+use wgpu_types::{ColorTargetState, TextureFormat};
 
-use crate::format::{Rounding, unorm};
 use crate::model::NumericModel;
-use crate::model::llvmpipe::{VectorWidth, integer};
-use row::{Operand, Side};
+use unorm8::Unorm8;
 
 /// Bytes of a texel.
 pub const TEXEL: usize = 4;
 
 /// A row kernel for one color target.
 #[derive(Clone, Debug)]
-pub struct Kernel {
-    pub(crate) rule: Rule,
-    /// Blending is off: the source replaces the destination.
-    pub(crate) replace: bool,
-    pub(crate) src: Side,
-    pub(crate) dst: Side,
-    /// Operation of color and alpha.
-    pub(crate) operations: [BlendOperation; 2],
-    /// The blend constant as codes, in the target's byte order.
-    pub(crate) constant: [u8; TEXEL],
-    /// 255 for the bytes that are written.
-    pub(crate) write_mask: [u8; TEXEL],
+pub struct Kernel(Unorm8);
+
+/// The slices of a row; lengths are checked.
+pub(crate) struct Row<'a> {
+    pub(crate) src: &'a [u8],
+    pub(crate) src1: Option<&'a [u8]>,
+    pub(crate) keep: Option<&'a [u8]>,
+    pub(crate) dst: &'a mut [u8],
 }
 
 impl Kernel {
@@ -61,39 +54,13 @@ impl Kernel {
             TextureFormat::Bgra8Unorm => true,
             _ => return None,
         };
-        let rule = model.unorm8_rule()?;
-        let order = |mut rgba: [u8; TEXEL]| {
-            if swap {
-                rgba.swap(0, 2);
-            }
-            rgba
-        };
-        let reads_constant = |c: &BlendComponent| {
-            [c.src_factor, c.dst_factor].into_iter().any(|f| matches!(f, F::Constant | F::OneMinusConstant))
-        };
-        let codes = constant.map(|x| code(x, rule));
-        let needed = target.blend.is_some_and(|blend| reads_constant(&blend.color) || reads_constant(&blend.alpha));
-        if needed && codes.contains(&None) {
-            return None;
-        }
-        let [color, alpha] = target.blend.map_or([BlendComponent::REPLACE; 2], |blend| [blend.color, blend.alpha]);
-        let mask = |bit| if target.write_mask.contains(bit) { u8::MAX } else { 0 };
-        Some(Self {
-            rule,
-            replace: target.blend.is_none(),
-            src: Side::new(color.src_factor, alpha.src_factor),
-            dst: Side::new(color.dst_factor, alpha.dst_factor),
-            operations: [color.operation, alpha.operation],
-            constant: order(codes.map(|code| code.unwrap_or(0))),
-            write_mask: order([ColorWrites::RED, ColorWrites::GREEN, ColorWrites::BLUE, ColorWrites::ALPHA].map(mask)),
-        })
+        Unorm8::new(target, constant, model.unorm8_rule()?, swap).map(Self)
     }
 
     /// Whether the second source is read.
     #[must_use]
     pub fn reads_second_source(&self) -> bool {
-        let second = |side: &Side| side.operands.iter().any(|o| matches!(o, Operand::Src1 | Operand::Src1Alpha));
-        !self.replace && (second(&self.src) || second(&self.dst))
+        self.0.reads_second_source()
     }
 
     /// Merges a row on the widest instruction set of the machine. All slices hold texels of 4 bytes in the target's own
@@ -116,17 +83,6 @@ impl Kernel {
         assert!(!self.reads_second_source() || src1.is_some(), "the state reads a second source");
         assert!(src1.is_none_or(|src1| src1.len() == dst.len()), "second source and target have as many texels");
         assert!(keep.is_none_or(|keep| keep.len() * TEXEL == dst.len()), "one byte of `keep` a texel");
-        simd::run(isa, self, src, src1, keep, dst);
+        self.0.merge(isa, Row { src, src1, keep, dst });
     }
-}
-
-/// A constant as a code: rounded by models that quantise it, otherwise only if it stands for a code.
-fn code(x: f32, rule: Rule) -> Option<u8> {
-    let code = match rule {
-        Rule::Llvmpipe => integer::quantize8(x, VectorWidth::Bits256),
-        Rule::RoundedProducts | Rule::Exact => unorm::encode(f64::from(x), 8, Rounding::NearestEven),
-    };
-    let byte = u8::try_from(code).ok()?;
-    let clamped = if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) };
-    (rule != Rule::Exact || f32::from(byte) / 255.0 == clamped).then_some(byte)
 }

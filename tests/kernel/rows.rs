@@ -45,16 +45,17 @@ fn depth_rows_are_the_depth_test() {
             let codes: Vec<u32> = (0..300).map(|_| code(&mut bytes)).collect();
             let before: Vec<u32> = (0..300).map(|_| code(&mut bytes)).collect();
             let alive: Vec<u8> = (0..300).map(|i| if i % 5 == 0 { 0 } else { 255 }).collect();
-            let (mut stored, mut keep) = (before.clone(), alive.clone());
-            depth::test_row(function, write, &codes, &mut stored, &mut keep);
-            for i in 0..300 {
-                let passes = alive[i] != 0 && compare(function, &codes[i], &before[i]);
-                assert_eq!(keep[i], if passes { 255 } else { 0 }, "{function:?}: {} and {}", codes[i], before[i]);
-                assert_eq!(
-                    stored[i],
-                    if passes && write { codes[i] } else { before[i] },
-                    "{function:?}, write {write}"
-                );
+            for isa in instruction_sets() {
+                let (mut stored, mut keep) = (before.clone(), alive.clone());
+                depth::test_row_on(isa, function, write, &codes, &mut stored, &mut keep);
+                for i in 0..300 {
+                    let passes = alive[i] != 0 && compare(function, &codes[i], &before[i]);
+                    let (kept, left) =
+                        (if passes { 255 } else { 0 }, if passes && write { codes[i] } else { before[i] });
+                    let (z, d) = (codes[i], before[i]);
+                    assert_eq!(keep[i], kept, "{function:?} on {isa:?}: {z} and {d}");
+                    assert_eq!(stored[i], left, "{function:?} on {isa:?}, write {write}: {z} and {d}");
+                }
             }
         }
     }

@@ -1,4 +1,4 @@
-//! A row in blocks that stay in registers and first-level cache: operands, factors, terms, write mask.
+//! A row without vectors of known width, in blocks that stay in registers and first-level cache: operands, factors, terms, write mask.
 //!
 //! Every factor is `operand ^ invert`: 1 - x of an 8-bit code is its bitwise complement, zero is the operand 0, and one its
 //! complement. Color and alpha may differ; then the bytes are picked by a constant mask. All loops run over whole blocks of
@@ -6,11 +6,12 @@
 
 use wgpu_types::{BlendFactor as F, BlendOperation};
 
+use super::Unorm8;
 use super::rule::Arithmetic;
-use super::{Kernel, TEXEL};
+use crate::kernel::{Row, TEXEL};
 
 /// Texels of a block.
-pub(crate) const TEXELS: usize = 32;
+pub(super) const TEXELS: usize = 32;
 
 /// Bytes of a block.
 const BYTES: usize = TEXELS * TEXEL;
@@ -19,7 +20,7 @@ type Block = [u8; BYTES];
 
 /// What a factor is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Operand {
+pub(super) enum Operand {
     Zero,
     Src,
     SrcAlpha,
@@ -34,14 +35,14 @@ pub(crate) enum Operand {
 
 /// The factor of the source's or the destination's term: for color, then alpha.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct Side {
-    pub(crate) operands: [Operand; 2],
+pub(super) struct Side {
+    pub(super) operands: [Operand; 2],
     /// 255 for the bytes whose factor is the complement.
-    pub(crate) invert: [u8; TEXEL],
+    pub(super) invert: [u8; TEXEL],
 }
 
 impl Side {
-    pub(crate) fn new(color: F, alpha: F) -> Self {
+    pub(super) fn new(color: F, alpha: F) -> Self {
         let (color, color_inverted) = operand(color);
         let (alpha, alpha_inverted) = match alpha {
             // Its alpha is 1, the complement of 0.
@@ -93,14 +94,8 @@ const EMPTY: Block = [0; BYTES];
 
 /// A row: blocks, then what is left in a block of its own.
 #[inline(always)]
-pub(crate) fn row<A: Arithmetic>(
-    a: A,
-    kernel: &Kernel,
-    src: &[u8],
-    src1: Option<&[u8]>,
-    keep: Option<&[u8]>,
-    dst: &mut [u8],
-) {
+pub(super) fn row<A: Arithmetic>(a: A, kernel: &Unorm8, row: Row<'_>) {
+    let Row { src, src1, keep, dst } = row;
     let constants = Constants::new(kernel);
     let mut scratch = Scratch { operands: [EMPTY; 2], fs: EMPTY, fd: EMPTY, result: EMPTY, other: EMPTY, keep: EMPTY };
     let (sources, rest_src) = src.as_chunks::<BYTES>();
@@ -142,7 +137,7 @@ struct Constants {
 
 impl Constants {
     #[inline(always)]
-    fn new(kernel: &Kernel) -> Self {
+    fn new(kernel: &Unorm8) -> Self {
         Self {
             color: repeat([255, 255, 255, 0]),
             invert_src: repeat(kernel.src.invert),
@@ -191,7 +186,7 @@ fn pick(mask: u8, a: u8, b: u8) -> u8 {
 #[inline(always)]
 fn block<A: Arithmetic>(
     a: A,
-    kernel: &Kernel,
+    kernel: &Unorm8,
     constants: &Constants,
     scratch: &mut Scratch,
     (src, src1): (&Block, &Block),

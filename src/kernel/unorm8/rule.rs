@@ -37,7 +37,7 @@ pub fn llvmpipe_product(a: u8, b: u8) -> u16 {
 }
 
 /// One rule, chosen before the row begins.
-pub(crate) trait Arithmetic: Copy {
+pub(super) trait Arithmetic: Copy {
     /// A term in the rule's unit.
     fn product(self, x: u8, factor: u8) -> u16;
     /// The code of the sum of two terms.
@@ -48,15 +48,15 @@ pub(crate) trait Arithmetic: Copy {
 
 /// [`Rule::Exact`].
 #[derive(Clone, Copy)]
-pub(crate) struct Exact;
+pub(super) struct Exact;
 
 /// [`Rule::RoundedProducts`].
 #[derive(Clone, Copy)]
-pub(crate) struct RoundedProducts;
+pub(super) struct RoundedProducts;
 
 /// [`Rule::Llvmpipe`].
 #[derive(Clone, Copy)]
-pub(crate) struct Llvmpipe;
+pub(super) struct Llvmpipe;
 
 impl Arithmetic for Exact {
     #[inline(always)]

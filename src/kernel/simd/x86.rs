@@ -1,0 +1,178 @@
+//! AVX2 and AVX-512.
+#![expect(unsafe_code, reason = "see the parent module: a token proves that the processor has the instructions")]
+
+use std::arch::x86_64::*;
+
+use super::{Simd, Task};
+
+/// The processor has AVX2, FMA and F16C.
+#[derive(Clone, Copy)]
+pub(super) struct Avx2(());
+
+/// The processor has these and AVX-512 F, BW, DQ and VL.
+#[derive(Clone, Copy)]
+pub(super) struct Avx512(());
+
+/// Runs a task on AVX2, which the caller asked the processor for.
+pub(super) fn run_avx2(task: impl Task) {
+    #[target_feature(enable = "avx2,fma,f16c")]
+    fn inside(task: impl Task, token: Avx2) {
+        task.on_vectors(token);
+    }
+    assert!(super::Isa::Avx2.available(), "asked before");
+    // SAFETY: the processor has the features, by the assertion.
+    unsafe { inside(task, Avx2(())) }
+}
+
+/// Runs a task on AVX-512, which the caller asked the processor for.
+pub(super) fn run_avx512(task: impl Task) {
+    #[target_feature(enable = "avx2,fma,f16c,avx512f,avx512bw,avx512dq,avx512vl")]
+    fn inside(task: impl Task, token: Avx512) {
+        task.on_vectors(token);
+    }
+    assert!(super::Isa::Avx512.available(), "asked before");
+    // SAFETY: the processor has the features, by the assertion.
+    unsafe { inside(task, Avx512(())) }
+}
+
+/// Operations that are one instruction.
+macro_rules! instructions {
+    ($vector:ty; $($name:ident($($argument:ident),+) = $instruction:ident $(::<$constant:literal>)?;)+) => {$(
+        #[inline(always)]
+        fn $name(self, $($argument: $vector),+) -> $vector {
+            // SAFETY: `self` proves that the processor has the instruction; it touches no memory.
+            unsafe { $instruction $(::<$constant>)? ($($argument),+) }
+        }
+    )+};
+}
+
+impl Simd for Avx2 {
+    type V = __m256i;
+    const BYTES: usize = 32;
+
+    #[inline(always)]
+    fn load(self, bytes: &[u8]) -> __m256i {
+        let bytes = &bytes[..Self::BYTES];
+        // SAFETY: `self` proves the instruction, and the slice has a vector's bytes.
+        unsafe { _mm256_loadu_si256(bytes.as_ptr().cast()) }
+    }
+
+    #[inline(always)]
+    fn store(self, bytes: &mut [u8], v: __m256i) {
+        let bytes = &mut bytes[..Self::BYTES];
+        // SAFETY: `self` proves the instruction, and the slice has a vector's bytes.
+        unsafe { _mm256_storeu_si256(bytes.as_mut_ptr().cast(), v) }
+    }
+
+    #[inline(always)]
+    fn lanes(self, bytes: [u8; 16]) -> __m256i {
+        // SAFETY: `self` proves the instruction, and the array has 16 bytes.
+        unsafe { _mm256_broadcastsi128_si256(_mm_loadu_si128(bytes.as_ptr().cast())) }
+    }
+
+    #[inline(always)]
+    fn spread(self, texels: &[u8]) -> __m256i {
+        let texels = i64::from_le_bytes(texels[..8].try_into().expect("eight bytes"));
+        let index: [u8; 32] = std::array::from_fn(|i| FOURFOLD[i]);
+        // SAFETY: `self` proves the instructions.
+        unsafe { _mm256_shuffle_epi8(_mm256_set1_epi64x(texels), self.load(&index)) }
+    }
+
+    #[inline(always)]
+    fn prefetch(self, address: *const u8) {
+        // SAFETY: a prefetch has no effect but on caches, whatever the address.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(address.cast()) }
+    }
+
+    instructions! { __m256i;
+        and(a, b) = _mm256_and_si256;
+        or(a, b) = _mm256_or_si256;
+        xor(a, b) = _mm256_xor_si256;
+        shuffle8(a, index) = _mm256_shuffle_epi8;
+        min8(a, b) = _mm256_min_epu8;
+        max8(a, b) = _mm256_max_epu8;
+        add_saturating8(a, b) = _mm256_adds_epu8;
+        subtract_saturating8(a, b) = _mm256_subs_epu8;
+        interleave_low8(a, b) = _mm256_unpacklo_epi8;
+        interleave_high8(a, b) = _mm256_unpackhi_epi8;
+        pack16(low, high) = _mm256_packus_epi16;
+        add16(a, b) = _mm256_add_epi16;
+        add_saturating16(a, b) = _mm256_adds_epu16;
+        subtract_saturating16(a, b) = _mm256_subs_epu16;
+        multiply16(a, b) = _mm256_mullo_epi16;
+        multiply_high16(a, b) = _mm256_mulhi_epu16;
+        high_bytes16(a) = _mm256_srli_epi16::<8>;
+        multiply_add8(unsigned, signed) = _mm256_maddubs_epi16;
+    }
+}
+
+impl Simd for Avx512 {
+    type V = __m512i;
+    const BYTES: usize = 64;
+
+    #[inline(always)]
+    fn load(self, bytes: &[u8]) -> __m512i {
+        let bytes = &bytes[..Self::BYTES];
+        // SAFETY: `self` proves the instruction, and the slice has a vector's bytes.
+        unsafe { _mm512_loadu_si512(bytes.as_ptr().cast()) }
+    }
+
+    #[inline(always)]
+    fn store(self, bytes: &mut [u8], v: __m512i) {
+        let bytes = &mut bytes[..Self::BYTES];
+        // SAFETY: `self` proves the instruction, and the slice has a vector's bytes.
+        unsafe { _mm512_storeu_si512(bytes.as_mut_ptr().cast(), v) }
+    }
+
+    #[inline(always)]
+    fn lanes(self, bytes: [u8; 16]) -> __m512i {
+        // SAFETY: `self` proves the instruction, and the array has 16 bytes.
+        unsafe { _mm512_broadcast_i32x4(_mm_loadu_si128(bytes.as_ptr().cast())) }
+    }
+
+    #[inline(always)]
+    fn spread(self, texels: &[u8]) -> __m512i {
+        let texels: [u8; 16] = texels[..16].try_into().expect("sixteen bytes");
+        self.shuffle8(self.lanes(texels), self.load(&FOURFOLD))
+    }
+
+    #[inline(always)]
+    fn prefetch(self, address: *const u8) {
+        // SAFETY: a prefetch has no effect but on caches, whatever the address.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(address.cast()) }
+    }
+
+    instructions! { __m512i;
+        and(a, b) = _mm512_and_si512;
+        or(a, b) = _mm512_or_si512;
+        xor(a, b) = _mm512_xor_si512;
+        shuffle8(a, index) = _mm512_shuffle_epi8;
+        min8(a, b) = _mm512_min_epu8;
+        max8(a, b) = _mm512_max_epu8;
+        add_saturating8(a, b) = _mm512_adds_epu8;
+        subtract_saturating8(a, b) = _mm512_subs_epu8;
+        interleave_low8(a, b) = _mm512_unpacklo_epi8;
+        interleave_high8(a, b) = _mm512_unpackhi_epi8;
+        pack16(low, high) = _mm512_packus_epi16;
+        add16(a, b) = _mm512_add_epi16;
+        add_saturating16(a, b) = _mm512_adds_epu16;
+        subtract_saturating16(a, b) = _mm512_subs_epu16;
+        multiply16(a, b) = _mm512_mullo_epi16;
+        multiply_high16(a, b) = _mm512_mulhi_epu16;
+        high_bytes16(a) = _mm512_srli_epi16::<8>;
+        multiply_add8(unsigned, signed) = _mm512_maddubs_epi16;
+    }
+}
+
+/// Byte i / 4: every texel's byte four times.
+const FOURFOLD: [u8; 64] = {
+    let mut index = [0; 64];
+    let mut i = 0;
+    while i < 64 {
+        #[expect(clippy::cast_possible_truncation, reason = "below 16")]
+        let texel = (i / 4) as u8;
+        index[i] = texel;
+        i += 1;
+    }
+    index
+};

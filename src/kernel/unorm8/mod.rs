@@ -1,0 +1,114 @@
+//! 8-bit unorm targets with four channels, sources that are 8-bit codes: any blend state, in integers.
+
+pub(crate) mod row;
+pub mod rule;
+mod vector;
+
+use wgpu_types::{BlendComponent, BlendFactor as F, BlendOperation, ColorTargetState, ColorWrites};
+
+use super::simd::{self, Isa, Simd};
+use super::{Row, TEXEL};
+use crate::format::{Rounding, unorm};
+use crate::model::llvmpipe::{VectorWidth, integer};
+use row::{Operand, Side};
+use rule::Rule;
+use vector::Shape;
+
+/// The kernel of one state.
+#[derive(Clone, Debug)]
+pub(crate) struct Unorm8 {
+    rule: Rule,
+    /// Blending is off: the source replaces the destination.
+    replace: bool,
+    src: Side,
+    dst: Side,
+    /// Operation of color and alpha.
+    operations: [BlendOperation; 2],
+    /// The blend constant as codes, in the target's byte order.
+    constant: [u8; TEXEL],
+    /// 255 for the bytes that are written.
+    write_mask: [u8; TEXEL],
+    shape: Shape,
+}
+
+impl Unorm8 {
+    /// The kernel of a target whose bytes are in BGRA order if `swap`; `None` for a constant that is no code though the
+    /// model does not quantise it.
+    pub(crate) fn new(target: &ColorTargetState, constant: [f32; 4], rule: Rule, swap: bool) -> Option<Self> {
+        let reads_constant = |c: &BlendComponent| {
+            [c.src_factor, c.dst_factor].into_iter().any(|f| matches!(f, F::Constant | F::OneMinusConstant))
+        };
+        let codes = constant.map(|x| code(x, rule));
+        let needed = target.blend.is_some_and(|blend| reads_constant(&blend.color) || reads_constant(&blend.alpha));
+        if needed && codes.contains(&None) {
+            return None;
+        }
+        let [color, alpha] = target.blend.map_or([BlendComponent::REPLACE; 2], |blend| [blend.color, blend.alpha]);
+        let mut kernel = Self {
+            rule,
+            replace: target.blend.is_none(),
+            src: Side::new(color.src_factor, alpha.src_factor),
+            dst: Side::new(color.dst_factor, alpha.dst_factor),
+            operations: [color.operation, alpha.operation],
+            constant: ordered(codes.map(|code| code.unwrap_or(0)), swap),
+            write_mask: write_mask(target.write_mask, swap),
+            shape: Shape::Any,
+        };
+        kernel.shape = Shape::new(&kernel);
+        Some(kernel)
+    }
+
+    pub(crate) fn reads_second_source(&self) -> bool {
+        let second = |side: &Side| side.operands.iter().any(|o| matches!(o, Operand::Src1 | Operand::Src1Alpha));
+        !self.replace && (second(&self.src) || second(&self.dst))
+    }
+
+    pub(crate) fn merge(&self, isa: Isa, row: Row<'_>) {
+        simd::run(isa, Task { kernel: self, row });
+    }
+}
+
+struct Task<'a> {
+    kernel: &'a Unorm8,
+    row: Row<'a>,
+}
+
+impl simd::Task for Task<'_> {
+    #[inline(always)]
+    fn on_vectors<S: Simd>(self, simd: S) {
+        vector::row(simd, self.kernel, self.row);
+    }
+
+    fn plain(self) {
+        match self.kernel.rule {
+            Rule::Exact => row::row(rule::Exact, self.kernel, self.row),
+            Rule::RoundedProducts => row::row(rule::RoundedProducts, self.kernel, self.row),
+            Rule::Llvmpipe => row::row(rule::Llvmpipe, self.kernel, self.row),
+        }
+    }
+}
+
+/// RGBA in the target's byte order.
+pub(crate) fn ordered(mut rgba: [u8; TEXEL], swap: bool) -> [u8; TEXEL] {
+    if swap {
+        rgba.swap(0, 2);
+    }
+    rgba
+}
+
+/// 255 for the bytes that are written.
+pub(crate) fn write_mask(mask: ColorWrites, swap: bool) -> [u8; TEXEL] {
+    let byte = |bit| if mask.contains(bit) { u8::MAX } else { 0 };
+    ordered([ColorWrites::RED, ColorWrites::GREEN, ColorWrites::BLUE, ColorWrites::ALPHA].map(byte), swap)
+}
+
+/// A constant as a code: rounded by models that quantise it, otherwise only if it stands for a code.
+fn code(x: f32, rule: Rule) -> Option<u8> {
+    let code = match rule {
+        Rule::Llvmpipe => integer::quantize8(x, VectorWidth::Bits256),
+        Rule::RoundedProducts | Rule::Exact => unorm::encode(f64::from(x), 8, Rounding::NearestEven),
+    };
+    let byte = u8::try_from(code).ok()?;
+    let clamped = if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) };
+    (rule != Rule::Exact || f32::from(byte) / 255.0 == clamped).then_some(byte)
+}
