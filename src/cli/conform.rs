@@ -12,7 +12,7 @@ use super::{Failure, Outcome, output};
 use crate::conform::log::Log;
 use crate::conform::result::VERSION;
 use crate::conform::run::Subject;
-use crate::conform::{Level, Panel, Results, Shard, Unit, junit, level, table};
+use crate::conform::{Level, Panel, Results, Shard, Unit, compare, junit, level, table};
 use crate::crosscheck::{Device, OpenOptions, adapter};
 use crate::model::registry;
 
@@ -30,8 +30,21 @@ pub(super) struct Conform {
 enum Command {
     /// Put the results of shards together.
     Merge(Merge),
+    /// Results of several devices side by side, as Markdown.
+    Compare(Compare),
     /// List the adapters there are.
     Adapters,
+}
+
+/// Arguments of `conform compare`.
+#[derive(Debug, Args)]
+struct Compare {
+    /// Result files, as written by --json-file, a device each.
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    /// Where to write the tables; `-` is stdout.
+    #[arg(long, short, default_value = "-")]
+    output: PathBuf,
 }
 
 /// Arguments of `conform merge`.
@@ -72,6 +85,9 @@ struct Sweep {
     /// Only units whose name contains this text; see --list.
     #[arg(long)]
     only: Option<String>,
+    /// Not the units whose name contains this text.
+    #[arg(long)]
+    skip: Option<String>,
     /// Texels for each blend state, in place of the level's.
     #[arg(long, value_parser = clap::value_parser!(u32).range(64..=2_097_152))]
     texels: Option<u32>,
@@ -102,6 +118,7 @@ impl Conform {
     pub(super) fn run(self) -> Result<Outcome, Failure> {
         match self.command {
             Some(Command::Merge(merge)) => merge.run(),
+            Some(Command::Compare(compare)) => compare.run(),
             Some(Command::Adapters) => adapters(),
             None => self.sweep.run(),
         }
@@ -115,11 +132,26 @@ fn adapters() -> Result<Outcome, Failure> {
     Ok(Outcome::Fine)
 }
 
+fn read(path: &PathBuf) -> Result<Results, Failure> {
+    let results: Results =
+        serde_json::from_reader(output::open(path)?).map_err(|error| format!("{}: {error}", path.display()))?;
+    if results.version == VERSION {
+        return Ok(results);
+    }
+    let version = results.version;
+    Err(format!("{}: results of version {version}; this program reads version {VERSION}", path.display()).into())
+}
+
+impl Compare {
+    fn run(self) -> Result<Outcome, Failure> {
+        let devices = self.files.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+        write_text(&self.output, &compare::markdown(&devices))?;
+        Ok(Outcome::Fine)
+    }
+}
+
 impl Merge {
     fn run(self) -> Result<Outcome, Failure> {
-        let read = |path: &PathBuf| -> Result<Results, Failure> {
-            serde_json::from_reader(output::open(path)?).map_err(|error| format!("{}: {error}", path.display()).into())
-        };
         let results = Results::merge(self.files.iter().map(read).collect::<Result<_, _>>()?)?;
         if let Some(path) = &self.output {
             write_json(path, &results)?;
@@ -140,7 +172,8 @@ impl Merge {
 impl Sweep {
     fn run(self) -> Result<Outcome, Failure> {
         let wanted = |(place, unit): &(usize, Unit)| {
-            self.shard.has(*place) && self.only.as_ref().is_none_or(|text| unit.id().contains(text))
+            let has = |text: &String| unit.id().contains(text);
+            self.shard.has(*place) && self.only.as_ref().is_none_or(has) && !self.skip.as_ref().is_some_and(has)
         };
         let units: Vec<Unit> = level::units_of(self.level, self.texels)
             .into_iter()

@@ -7,10 +7,11 @@
 //! - [`level`]: which units a level has;
 //! - [`blend`], [`store`], [`depth`], [`codes`]: how each kind of unit is run;
 //! - [`run`](mod@run): a list of units on a device; [`log`]: finished units on disk; [`result`] and [`spec`]: what was found;
-//! - [`table`] and [`junit`]: the same for people and for CI.
+//! - [`table`] and [`junit`]: the same for people and for CI; [`compare`]: of several devices.
 
 pub mod blend;
 pub mod codes;
+pub mod compare;
 pub mod depth;
 pub mod junit;
 pub mod level;

@@ -147,7 +147,7 @@ fn not_run(results: &Results) -> Vec<String> {
 }
 
 /// Each format's verdicts by one specification.
-fn spec_rows(results: &Results, spec: &str) -> BTreeMap<String, SpecOutcome> {
+pub(super) fn spec_rows(results: &Results, spec: &str) -> BTreeMap<String, SpecOutcome> {
     let mut rows: BTreeMap<String, SpecOutcome> = BTreeMap::new();
     for unit in &results.units {
         if let Some(outcome) = unit.specs.get(spec).filter(|outcome| outcome.texels.total() > 0) {
@@ -283,6 +283,16 @@ mod tests {
             assert!(text.contains("r8unorm: 2 texels in 1 states, first in u: red: 101 admitted, got 7"), "{text}");
         }
         assert!(markdown(&results()).contains("| r8unorm | 10 | 0 | 0 | 1 | 1 | 0 |"), "a row by class");
+    }
+
+    #[test]
+    fn devices_side_by_side_have_a_column_each() {
+        let other = Results { adapter: "other (x) [y]".to_owned(), specs: Vec::new(), ..results() };
+        let other = Results { units: vec![UnitOutcome { specs: BTreeMap::new(), ..other.units[0].clone() }], ..other };
+        let text = crate::conform::compare::markdown(&[results(), other]);
+        assert!(text.contains("| format | device | other |"), "{text}");
+        assert!(text.contains("| r8unorm | `a` | `a` |"), "the model that matches: {text}");
+        assert!(text.contains("| r8unorm | 0 / 0 / 1 / **1** | not run |"), "d3d: {text}");
     }
 
     #[test]

@@ -111,8 +111,14 @@ impl Questions {
     }
 
     /// A number in [0, 1] for the most part: a code or a tie of some width give or take an ulp, a multiple of a power of
-    /// two, or any; now and then one beyond.
+    /// two, or any; now and then one beyond, or none.
+    ///
+    /// What becomes of NaN and the infinities tells drivers apart that agree otherwise.
     fn number(&mut self) -> f32 {
+        const SPECIAL: [f32; 4] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -0.0];
+        if self.random.u8(..64) == 0 {
+            return SPECIAL[self.random.usize(..SPECIAL.len())];
+        }
         let x = match self.random.u8(..8) {
             0 => f64::from(self.random.u32(..=64)) / 64.0,
             1 => self.random.f64(),
@@ -145,8 +151,10 @@ mod tests {
             let mut questions = Questions::new(format, seed);
             (0..500).map(|_| questions.ask()).collect::<Vec<_>>()
         };
-        assert_eq!(ask(3), ask(3), "reproducible");
-        assert_ne!(ask(3), ask(4), "but not constant");
+        // NaN is among the inputs, so bits are compared.
+        let bits = |seed| ask(seed).iter().map(|question| question.src.map(f32::to_bits)).collect::<Vec<_>>();
+        assert!(bits(3) == bits(3), "reproducible");
+        assert!(bits(3) != bits(4), "but not constant");
         for state in states() {
             assert!(ask(3).iter().any(|question| question.blend == state), "{state:?}");
         }

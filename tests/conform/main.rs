@@ -198,3 +198,20 @@ fn a_specification_that_admits_every_result_passes_and_one_that_does_not_is_a_fi
     let xml = std::fs::read_to_string(&junit).expect("JUnit");
     assert!(xml.contains("failures=\"1\"") && xml.contains("outside what vulkan admits"), "{xml}");
 }
+
+#[test]
+fn the_driver_is_identified_from_its_own_answers() {
+    if !has_llvmpipe("the_driver_is_identified_from_its_own_answers") {
+        return;
+    }
+    for format in ["rgba8unorm", "rgba16float"] {
+        let mut command = Command::cargo_bin("outmerge").expect("the program");
+        command.args(["identify", "--format", format, "--adapter", "llvmpipe", "--json"]);
+        let output = command.output().expect("runs");
+        let found: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        assert_eq!(output.status.code(), Some(0), "{format}: {found}");
+        assert_eq!(found["reproduced_by"][0], "llvmpipe", "{format}: {found}");
+        assert_eq!(found["settled"], true, "{format}: {found}");
+        assert!(found["samples"].as_u64() <= Some(4096), "{format}: {found}");
+    }
+}

@@ -1,0 +1,64 @@
+//! Results of several devices side by side, as Markdown.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
+
+use super::Results;
+use super::result::Totals;
+use super::table::spec_rows;
+
+/// One table for the models and one for each specification, a row a format, a column a device.
+#[must_use]
+pub fn markdown(devices: &[Results]) -> String {
+    let names: Vec<String> = devices.iter().map(|results| short(&results.adapter)).collect();
+    let mut text = String::from("# Devices side by side\n\n");
+    for results in devices {
+        let (units, skipped) = (results.units.len(), results.units.iter().filter(|u| u.not_run.is_some()).count());
+        let level = results.level;
+        let _ = writeln!(text, "- {}: level {level}, {units} units, {skipped} of them not run", results.adapter);
+    }
+    text.push_str(
+        "\nMade by `outmerge conform compare FILE...` from results of `outmerge conform --json-file FILE`.\n\n\
+         ## Models that match every state, bit for bit\n\n",
+    );
+    let models: Vec<_> = devices.iter().map(Results::by_format).collect();
+    let cell = |rows: &BTreeMap<String, BTreeMap<String, Totals>>, format: &str| match rows.get(format) {
+        Some(row) if row.values().any(|total| total.states > 0) => {
+            let matching = row.iter().filter(|(_, total)| total.states > 0 && total.states == total.states_matched);
+            let names: Vec<String> = matching.map(|(name, _)| format!("`{name}`")).collect();
+            if names.is_empty() { "none".to_owned() } else { names.join(", ") }
+        }
+        _ => "not run".to_owned(),
+    };
+    let formats: BTreeSet<&String> = models.iter().flat_map(BTreeMap::keys).collect();
+    table(&mut text, &names, formats.iter().map(|format| (*format, models.iter().map(|m| cell(m, format)).collect())));
+    let specs: BTreeSet<&String> = devices.iter().flat_map(|results| &results.specs).collect();
+    for spec in specs {
+        let _ = writeln!(text, "\n## States by {spec}: exact / tight / wide / **outside**\n");
+        let rows: Vec<_> = devices.iter().map(|results| spec_rows(results, spec)).collect();
+        let formats: BTreeSet<&String> = rows.iter().flat_map(BTreeMap::keys).collect();
+        let cell = |row: Option<&super::SpecOutcome>| {
+            row.map_or("not run".to_owned(), |row| {
+                let [exact, tight, wide, outside, _] = row.states.in_order();
+                let outside = if outside > 0 { format!("**{outside}**") } else { "0".to_owned() };
+                format!("{exact} / {tight} / {wide} / {outside}")
+            })
+        };
+        let row = |format: &&String| rows.iter().map(|rows| cell(rows.get(*format))).collect::<Vec<String>>();
+        table(&mut text, &names, formats.iter().map(|format| (*format, row(format))));
+    }
+    text
+}
+
+/// The adapter's name without what is in brackets.
+fn short(adapter: &str) -> String {
+    adapter.split(['(', '[']).next().unwrap_or(adapter).trim().to_owned()
+}
+
+fn table<'a>(text: &mut String, names: &[String], rows: impl Iterator<Item = (&'a String, Vec<String>)>) {
+    let _ = writeln!(text, "| format | {} |", names.join(" | "));
+    let _ = writeln!(text, "|---|{}", "---|".repeat(names.len()));
+    for (format, cells) in rows {
+        let _ = writeln!(text, "| {format} | {} |", cells.join(" | "));
+    }
+}
