@@ -132,7 +132,7 @@ fn adapters() -> Result<Outcome, Failure> {
     Ok(Outcome::Fine)
 }
 
-fn read(path: &PathBuf) -> Result<Results, Failure> {
+fn read(path: &Path) -> Result<Results, Failure> {
     let results: Results =
         serde_json::from_reader(output::open(path)?).map_err(|error| format!("{}: {error}", path.display()))?;
     if results.version == VERSION {
@@ -144,7 +144,7 @@ fn read(path: &PathBuf) -> Result<Results, Failure> {
 
 impl Compare {
     fn run(self) -> Result<Outcome, Failure> {
-        let devices = self.files.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+        let devices = self.files.iter().map(|path| read(path)).collect::<Result<Vec<_>, _>>()?;
         write_text(&self.output, &compare::markdown(&devices))?;
         Ok(Outcome::Fine)
     }
@@ -152,7 +152,7 @@ impl Compare {
 
 impl Merge {
     fn run(self) -> Result<Outcome, Failure> {
-        let results = Results::merge(self.files.iter().map(read).collect::<Result<_, _>>()?)?;
+        let results = Results::merge(self.files.iter().map(|path| read(path)).collect::<Result<_, _>>()?)?;
         if let Some(path) = &self.output {
             write_json(path, &results)?;
         }
