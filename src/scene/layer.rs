@@ -19,6 +19,17 @@ pub struct Layer {
     pub fragments: Vec<PixelFragment>,
 }
 
+/// One fragment of a texel and what made it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Index of the draw.
+    pub draw: usize,
+    /// Index of the triangle in [`Draw::triangles`].
+    pub triangle: usize,
+    /// The fragment.
+    pub fragment: Fragment,
+}
+
 impl Scene {
     /// The fragments of `draws` (from [`Scene::draws`]) as layers. A draw that covers a texel several times, as a sphere
     /// without culling does, gives several layers; the order at each texel is kept.
@@ -51,14 +62,14 @@ impl Scene {
         Ok(layers)
     }
 
-    /// Every fragment of one texel in drawing order, with the index of its draw.
+    /// Every fragment of one texel in drawing order.
     #[must_use]
-    pub fn fragments_at(&self, draws: &[Draw], x: u32, y: u32) -> Vec<(usize, Fragment)> {
+    pub fn fragments_at(&self, draws: &[Draw], x: u32, y: u32) -> Vec<Hit> {
         let window = Rect { x, y, width: 1, height: 1 };
         let mut found = Vec::new();
         for (index, draw) in draws.iter().enumerate() {
-            self.shade(draw, Some(window), |fragments| {
-                found.extend(fragments.iter().map(|pixel| (index, pixel.fragment)));
+            self.shade_each(draw, Some(window), |triangle, pixel| {
+                found.push(Hit { draw: index, triangle, fragment: pixel.fragment });
             });
         }
         found

@@ -31,7 +31,7 @@ pub use description::Scene;
 pub use display::{Picture, PictureAlpha};
 pub use draw::Draw;
 pub use file::SceneFileError;
-pub use layer::Layer;
+pub use layer::{Hit, Layer};
 pub use render::{DrawReport, Rendered, SceneError};
 pub use shade::PixelFragment;
 

@@ -29,10 +29,30 @@ impl Scene {
     /// Shades the fragments of one draw and hands them to `take` in primitive order, in pieces. Only texels inside
     /// `window`, if given. Returns what shading took.
     pub fn shade(&self, draw: &Draw, window: Option<Rect>, mut take: impl FnMut(&[PixelFragment])) -> Work {
-        let mut work = Work::default();
         let mut fragments = Vec::with_capacity(CHUNK);
+        let work = self.shade_each(draw, window, |_, fragment| {
+            fragments.push(fragment);
+            if fragments.len() == CHUNK {
+                take(&fragments);
+                fragments.clear();
+            }
+        });
+        if !fragments.is_empty() {
+            take(&fragments);
+        }
+        work
+    }
+
+    /// As [`Scene::shade`], one by one, each with the index of its triangle in [`Draw::triangles`].
+    pub(super) fn shade_each(
+        &self,
+        draw: &Draw,
+        window: Option<Rect>,
+        mut take: impl FnMut(usize, PixelFragment),
+    ) -> Work {
+        let mut work = Work::default();
         let stage = Stage::new(self, draw);
-        for triangle in draw.triangles.iter() {
+        for (index, triangle) in draw.triangles.iter().enumerate() {
             for primitive in assemble::<VARYINGS>(*triangle, &draw.raster) {
                 for span in primitive.spans() {
                     let columns = match window {
@@ -41,21 +61,11 @@ impl Scene {
                         Some(window) => span.start.max(window.x)..span.end.min(window.x.saturating_add(window.width)),
                     };
                     for x in columns {
-                        fragments.push(PixelFragment {
-                            x,
-                            y: span.y,
-                            fragment: stage.run(&primitive, x, span.y, &mut work),
-                        });
-                        if fragments.len() == CHUNK {
-                            take(&fragments);
-                            fragments.clear();
-                        }
+                        let fragment = stage.run(&primitive, x, span.y, &mut work);
+                        take(index, PixelFragment { x, y: span.y, fragment });
                     }
                 }
             }
-        }
-        if !fragments.is_empty() {
-            take(&fragments);
         }
         work
     }

@@ -90,6 +90,24 @@ fn a_wrong_pixel_is_explained() {
 }
 
 #[test]
+fn the_history_names_the_triangle_and_the_light() {
+    golden::printed("pixel-light-passes.txt", &["explain", "light-passes", "--pixel", "115,45", "-m", "llvmpipe"]);
+    golden::printed("pixel-cube-inside.txt", &["explain", "cube-cull-front-back", "--pixel", "64,64", "-m", "exact"]);
+}
+
+#[test]
+fn both_forms_stand_in_the_usage_message() {
+    for arguments in [&["explain"][..], &["explain", "fade-over-opaque"], &["explain", "--state", "fade"]] {
+        let output = outmerge(arguments).output().expect("runs");
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: status");
+        for form in ["explain <SCENE> --pixel <X,Y>", "explain --state <STATE> --src <R,G,B,A> --dst <R,G,B,A>"] {
+            assert!(message.contains(form), "{arguments:?}: `{form}` in: {message}");
+        }
+    }
+}
+
+#[test]
 fn json_carries_numbers_and_accounts() {
     let output = outmerge(&["explain", "--state", "fade", "--src", "0,0,0,0.5", "--dst", "#7f7f7fff", "--json"])
         .output()

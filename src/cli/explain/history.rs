@@ -131,7 +131,12 @@ fn contents(text: &mut String, contents: &Contents, formats: &[ColorFormat]) -> 
 /// One fragment: what came in, each stage, what changed.
 fn one(text: &mut String, index: usize, event: &Event, formats: &[ColorFormat]) -> Result<(), Failure> {
     let facing = if event.front_facing { "front" } else { "back" };
-    writeln!(text, "{}. draw {}: {}, pass {}, {facing} face", index + 1, event.draw + 1, event.object, event.pass)?;
+    // Passes without a name of their own are called `pass 0` and so on.
+    let pass = if event.pass.starts_with("pass ") { "" } else { "pass " };
+    let light = event.light.map_or(String::new(), |light| format!(", light {}", light + 1));
+    writeln!(text, "{}. draw {}: {}, {pass}{}{light}", index + 1, event.draw + 1, event.object, event.pass)?;
+    let (triangle, triangles) = (event.triangle + 1, event.triangles);
+    writeln!(text, "  primitive      triangle {triangle} of {triangles}, {facing} face")?;
     for (i, output) in event.outputs.iter().enumerate() {
         writeln!(text, "  output {i}       {}", output.map(|x| short(f64::from(x))).join(", "))?;
     }

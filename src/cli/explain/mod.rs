@@ -19,6 +19,7 @@ use crate::state::text;
 
 /// Arguments of `explain`: either a scene and a pixel, or a state and its numbers.
 #[derive(Debug, Args)]
+#[command(override_usage = USAGE)]
 pub(super) struct Explain {
     /// A scene file, or the name of a bundled scene, whose pixel to explain.
     #[arg(requires = "pixel", conflicts_with_all = ["state", "src", "dst"])]
@@ -54,6 +55,10 @@ pub(super) struct Explain {
     #[arg(long)]
     json: bool,
 }
+
+/// The two forms.
+const USAGE: &str = "outmerge explain <SCENE> --pixel <X,Y> [--stack] [OPTIONS]
+       outmerge explain --state <STATE> --src <R,G,B,A> --dst <R,G,B,A> [OPTIONS]";
 
 /// What was asked.
 struct Question {

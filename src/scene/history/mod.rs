@@ -13,6 +13,8 @@ pub use stage::{Stage, Verdict};
 
 use super::description::Scene;
 use super::display::value;
+use super::layer::Hit;
+use super::material::Shader;
 use super::render::SceneError;
 use crate::merger::{Fate, Merger};
 use crate::model::{ColorInputs, NumericModel};
@@ -70,6 +72,13 @@ pub struct Event {
     pub object: String,
     /// Name of the pass.
     pub pass: String,
+    /// Index of the light that the pass adds, where it adds one; index 0 is the main light.
+    pub light: Option<usize>,
+    /// Index of the triangle within the draw, in the order of the object's faces; a face of more than three corners is
+    /// a fan of triangles.
+    pub triangle: usize,
+    /// Triangles of the draw.
+    pub triangles: usize,
     /// What the shader wrote, by target, RGBA.
     pub outputs: Vec<[f32; 4]>,
     /// Depth, before clamp and conversion.
@@ -126,7 +135,7 @@ impl Scene {
         let cleared = Contents::at(&targets, x, y);
         let draws = self.draws();
         let mut events: Vec<Event> = Vec::new();
-        for (index, fragment) in self.fragments_at(&draws, x, y) {
+        for Hit { draw: index, triangle, fragment } in self.fragments_at(&draws, x, y) {
             let draw = &draws[index];
             let failed = |source| SceneError::Merger { index, draw: draw.label(), source };
             let merger = Merger::new(&draw.state, model, &targets).map_err(failed)?;
@@ -137,6 +146,9 @@ impl Scene {
                 draw: index,
                 object: draw.object.clone(),
                 pass: draw.pass.clone(),
+                light: (draw.shader == Shader::Light).then_some(draw.light),
+                triangle,
+                triangles: draw.triangles.len(),
                 outputs: fragment.outputs[..self.target.colors.len()].to_vec(),
                 depth: fragment.depth,
                 front_facing: fragment.front_facing,

@@ -2,6 +2,8 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::model::registry;
+use crate::scene::draw::VARYINGS;
+use crate::scene::raster::{Primitive, assemble};
 
 fn bundled(name: &str) -> Scene {
     Scene::bundled_by_name(name).expect("a bundled scene").expect("bundled scenes are correct")
@@ -54,6 +56,35 @@ fn a_hole_behind_a_fragment_that_wrote_depth_is_told_by_the_depth_stage() {
         .expect("some fragment fails the depth test");
     assert_eq!((told.name, told.verdict), ("depth", Verdict::Failed), "{told:?}");
     assert!(told.detail.contains("<="), "{told:?}");
+}
+
+#[test]
+fn the_triangle_named_is_one_that_covers_the_pixel_at_that_depth() {
+    let mut differing = 0;
+    for (name, scene) in Scene::bundled() {
+        let scene = scene.expect("correct");
+        let draws = scene.draws();
+        let extent = scene.target.extent;
+        for (x, y) in [(extent.width / 2, extent.height / 2), (extent.width / 3, extent.height / 3)] {
+            for event in scene.history(&*exact(), x, y).expect("inside").events {
+                let draw = &draws[event.draw];
+                assert_eq!(event.triangles, draw.triangles.len(), "{name}: triangles of the draw");
+                let parts = assemble(draw.triangles[event.triangle], &draw.raster);
+                let covers = |part: &Primitive<VARYINGS>| {
+                    let spans = part.spans().any(|span| span.y == y && (span.start..span.end).contains(&x));
+                    spans && part.depth(x, y).to_bits() == event.depth.to_bits()
+                };
+                assert!(
+                    parts.iter().any(covers),
+                    "{name}, {}: triangle {} at ({x}, {y})",
+                    event.object,
+                    event.triangle
+                );
+                differing += usize::from(event.triangle > 0);
+            }
+        }
+    }
+    assert!(differing > 20, "not always the first triangle: {differing}");
 }
 
 #[test]

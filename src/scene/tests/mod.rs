@@ -92,10 +92,11 @@ fn one_pixels_fragments_are_those_of_the_layers() {
     let scene = bundled("overlap-zwrite-off");
     let draws = scene.draws();
     let found = scene.fragments_at(&draws, 64, 64);
-    assert_eq!(found.iter().map(|(draw, _)| *draw).collect::<Vec<_>>(), [0, 1], "both quads cover the middle");
+    assert_eq!(found.iter().map(|hit| hit.draw).collect::<Vec<_>>(), [0, 1], "both quads cover the middle");
     for layer in scene.layers(&draws).expect("a small scene") {
         let pixel = layer.fragments.iter().find(|pixel| (pixel.x, pixel.y) == (64, 64)).expect("covered");
-        assert!(found.contains(&(layer.draw, pixel.fragment)), "draw {}", layer.draw);
+        let hit = |hit: &Hit| (hit.draw, hit.fragment) == (layer.draw, pixel.fragment);
+        assert!(found.iter().any(hit), "draw {}", layer.draw);
     }
 }
 
@@ -131,8 +132,8 @@ fn fade_over_opaque_is_the_weighted_sum() {
     );
     for x in 20..108 {
         let fragments = scene.fragments_at(&draws, x, 64);
-        let [(_, behind), (_, front)] = fragments.as_slice() else { panic!("two layers at column {x}") };
-        let [s, d] = [front.outputs[0], behind.outputs[0]].map(|color| color.map(f64::from));
+        let [behind, front] = fragments.as_slice() else { panic!("two layers at column {x}") };
+        let [s, d] = [front.fragment.outputs[0], behind.fragment.outputs[0]].map(|color| color.map(f64::from));
         for i in 0..3 {
             let stored = (d[i] * 255.0).round() / 255.0;
             let expected = s[i] * s[3] + stored * (1.0 - s[3]);

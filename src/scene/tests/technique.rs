@@ -305,7 +305,7 @@ fn fire_adds_light_and_smoke_takes_it_away_in_one_draw() {
     assert!(sum(&rendered, 64, 84) > sum(&sky, 64, 84) + 200, "the flame is brighter than the sky behind it");
     assert!(sum(&rendered, 64, 34) + 200 < sum(&sky, 64, 34), "the smoke is darker than the sky behind it");
     let flame = scene.fragments_at(&scene.draws(), 64, 88);
-    let [.., (_, fragment)] = flame.as_slice() else { panic!("the fire covers the flame") };
+    let [.., Hit { fragment, .. }] = flame.as_slice() else { panic!("the fire covers the flame") };
     assert!(fragment.outputs[0][3] < 0.05, "the flame adds without covering: alpha {}", fragment.outputs[0][3]);
 }
 
