@@ -137,3 +137,20 @@ fn wrong_arguments_are_explained() {
         "unsigned normalised",
     );
 }
+
+/// The README's first example is what the command prints.
+#[test]
+fn the_example_of_the_readme_is_what_is_printed() {
+    let readme = include_str!("../../README.md");
+    let example: Vec<&str> =
+        readme.lines().skip_while(|line| *line != "```text").skip(1).take_while(|line| *line != "```").collect();
+    let (command, lines) = example.split_first().expect("an example");
+    let arguments = ["explain", "--state", "fade", "--format", "rgba8unorm", "--src", "0,0,0,0.5", "--dst", "#7f7f7fff"];
+    assert_eq!(command.replace('\'', ""), format!("$ outmerge {}", arguments.join(" ")), "the command");
+    let output = outmerge(&arguments).output().expect("runs");
+    let text = String::from_utf8(output.stdout).expect("UTF-8");
+    for line in lines.iter().filter(|line| **line != "...") {
+        assert!(text.lines().any(|printed| printed == *line), "`{line}` is not in:\n{text}");
+    }
+    assert!(lines.len() > 8, "a whole example: {lines:?}");
+}
