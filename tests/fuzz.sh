@@ -13,6 +13,7 @@ runs() {
     case $1 in
         shaderlab | webgpu_json | vectors | raster) echo 20000 ;;
         merge | plan | texture) echo 2000 ;;
+        kernel) echo 5000 ;;
         scene) echo 5000 ;;
         *) echo "no fuzz target \`$1\`" >&2; exit 2 ;;
     esac
@@ -23,7 +24,7 @@ if ! cargo +nightly fuzz --version >/dev/null 2>&1; then
     exit 3
 fi
 targets=("$@")
-[ ${#targets[@]} -gt 0 ] || targets=(shaderlab webgpu_json vectors raster scene texture merge plan)
+[ ${#targets[@]} -gt 0 ] || targets=(shaderlab webgpu_json vectors raster scene texture merge plan kernel)
 cargo +nightly fuzz build
 for target in "${targets[@]}"; do
     # The same bytes mean the same case to both.

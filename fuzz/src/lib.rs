@@ -5,6 +5,7 @@
 mod case;
 mod input;
 
+pub mod kernel;
 pub mod merge;
 pub mod plan;
 pub mod raster;

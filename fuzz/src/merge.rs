@@ -1,6 +1,7 @@
 //! Arbitrary fragments into arbitrary targets: the planned merger stores what the reference stores, in every model, and
-//! the reference keeps what may not change.
+//! the reference keeps what may not change; what the models that claim it store is admitted by Vulkan.
 
+use outmerge::admissible::{Class, Judge, Spec, Verdict};
 use outmerge::merger::{Fate, Merger, SampleTrace};
 use outmerge::model::NumericModel;
 use outmerge::plan::Planned;
@@ -32,11 +33,31 @@ fn merge(case: &Case, model: &dyn NumericModel) {
     for (fragment, x, y) in fragments {
         let previous = expected.clone();
         for sample in reference.trace(fragment, *x, *y, &mut expected).samples {
+            is_admissible(state, model, &sample);
             keeps_what_it_must(state, model, &sample, (*x, *y), &previous, &expected);
         }
         planned.merge(fragment, *x, *y, &mut got);
     }
     assert_eq!(got, expected, "{}: planned and reference differ in {state:?} after {fragments:?}", model.name());
+}
+
+/// What the models that conform store is admitted by Vulkan, in the class they claim.
+fn is_admissible(state: &MergerState, model: &dyn NumericModel, trace: &SampleTrace) {
+    let claim = match model.name().as_str() {
+        "exact" => Class::Exact,
+        "f32" => Class::Wide,
+        _ => return,
+    };
+    for (target, color) in state.targets.iter().zip(&trace.colors) {
+        let (Some(target), Some((inputs, stored))) = (target, color) else { continue };
+        let judged = Judge::new(Spec::Vulkan).judge(inputs, target.write_mask, *stored);
+        let holds = match judged.verdict {
+            Verdict::Undefined => true,
+            Verdict::Within(class) => class <= claim,
+            Verdict::Outside => false,
+        };
+        assert!(holds, "{}: {judged:?} for {stored:x?} from {inputs:?}", model.name());
+    }
 }
 
 /// Failed tests leave color alone, and masked channels keep their bits, unless the model says that it rewrites texels.

@@ -145,7 +145,8 @@ fn the_example_of_the_readme_is_what_is_printed() {
     let example: Vec<&str> =
         readme.lines().skip_while(|line| *line != "```text").skip(1).take_while(|line| *line != "```").collect();
     let (command, lines) = example.split_first().expect("an example");
-    let arguments = ["explain", "--state", "fade", "--format", "rgba8unorm", "--src", "0,0,0,0.5", "--dst", "#7f7f7fff"];
+    let arguments =
+        ["explain", "--state", "fade", "--format", "rgba8unorm", "--src", "0,0,0,0.5", "--dst", "#7f7f7fff"];
     assert_eq!(command.replace('\'', ""), format!("$ outmerge {}", arguments.join(" ")), "the command");
     let output = outmerge(&arguments).output().expect("runs");
     let text = String::from_utf8(output.stdout).expect("UTF-8");

@@ -62,6 +62,11 @@ fn plan_seeds() {
 }
 
 #[test]
+fn kernel_seeds() {
+    replay("fuzz/seeds/kernel", 8, property::kernel::check);
+}
+
+#[test]
 fn raster_seeds() {
     replay("fuzz/seeds/raster", 4, property::raster::check);
 }
