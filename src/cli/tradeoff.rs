@@ -37,6 +37,12 @@ pub(super) struct Tradeoff {
     /// Texels of each stack, as a multiple of the usual number.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     effort: u32,
+    /// A Vulkan adapter to measure as one more point: part of its name or driver. The first there is unless given.
+    #[arg(long, short)]
+    adapter: Option<String>,
+    /// Measure no adapter.
+    #[arg(long, conflicts_with = "adapter")]
+    no_adapter: bool,
     /// Every row (state and input) instead of one a model, format and depth.
     #[arg(long)]
     rows: bool,
@@ -82,11 +88,14 @@ impl Tradeoff {
         };
         let layers = self.layers()?;
         let what = Survey { models: &models, inputs: &inputs, formats: &formats, layers: &layers };
-        let times = clock::times(&models, &formats, &inputs)?;
+        let mut times = clock::times(&models, &formats, &inputs)?;
         let bar = ProgressBar::new(jobs(&what) as u64)
             .with_style(ProgressStyle::with_template("drawing {bar:40} {pos}/{len} stacks {elapsed}")?);
-        let rows = survey(&what, &|| bar.inc(1));
+        let mut rows = survey(&what, &|| bar.inc(1));
         bar.finish_and_clear();
+        if !self.no_adapter {
+            self.driver(&what, &mut rows, &mut times)?;
+        }
         let fixed = fixed::sweep(&inputs, 4096 * self.effort);
         let measured = Measured { points: front::points(&rows, &times), rows, times, fixed };
         if let Some(path) = &self.plot {
@@ -101,6 +110,39 @@ impl Tradeoff {
             output::print(&self.text(&measured))?;
         }
         Ok(Outcome::Fine)
+    }
+
+    /// Adds a real driver's points. A missing adapter is an error only if one was asked for.
+    #[cfg(feature = "gpu")]
+    fn driver(&self, what: &Survey<'_>, rows: &mut Vec<Row>, times: &mut Vec<Time>) -> Result<(), Failure> {
+        use crate::analysis::tradeoff::driver;
+        use crate::crosscheck::{Device, OpenOptions};
+        // Time is measured, not compared bit for bit, so a shader cache does no harm.
+        let options = OpenOptions { adapter: self.adapter.clone(), allow_shader_cache: true, ..OpenOptions::default() };
+        let device = match Device::open(&options) {
+            Ok(device) => device,
+            Err(error) if self.adapter.is_none() => {
+                output::complain(&format!("not run: a driver as one of the points: {error}"));
+                return Ok(());
+            }
+            Err(error) => return Err(error.into()),
+        };
+        rows.extend(driver::survey(&device, what, &|| ())?);
+        times.extend(driver::times(&device, what)?);
+        Ok(())
+    }
+
+    /// Without the feature `gpu` there is no driver to measure.
+    #[cfg(not(feature = "gpu"))]
+    fn driver(&self, _: &Survey<'_>, _: &mut Vec<Row>, _: &mut Vec<Time>) -> Result<(), Failure> {
+        let reason = "this program was built without the feature `gpu`";
+        match &self.adapter {
+            Some(_) => Err(format!("{reason}; build with --all-features to measure an adapter").into()),
+            None => {
+                output::complain(&format!("not run: a driver as one of the points: {reason}"));
+                Ok(())
+            }
+        }
     }
 
     fn layers(&self) -> Result<Vec<(u32, u32)>, Failure> {

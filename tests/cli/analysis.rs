@@ -82,12 +82,14 @@ fn stability_runs_the_parts_asked_for_and_draws() {
 
 #[test]
 fn tradeoff_measures_every_model_asked_for() {
-    let arguments = ["tradeoff", "--formats", "rgba8unorm", "--models", "exact,f32", "-n", "1", "--json"];
+    let arguments =
+        ["tradeoff", "--formats", "rgba8unorm", "--models", "exact,f32", "-n", "1", "--no-adapter", "--json"];
     let measured = json(&arguments);
     let points = measured["points"].as_array().expect("points");
     assert_eq!(points.len(), 2, "a point a model");
     assert_eq!(points[0]["mean"], 0.0, "exact has no error");
     assert!(points.iter().all(|point| point["ns_per_fragment"].as_f64() > Some(0.0)), "times: {points:?}");
+    assert!(points.iter().all(|point| point["kernel_ns_per_fragment"].as_f64() > Some(0.0)), "kernels: {points:?}");
     assert_eq!(measured["fixed"].as_array().map(Vec::len), Some(66), "11 widths, 6 roundings");
     fails(&["tradeoff", "--layers", "7"], "use 1, 10, 100 or 1000");
 }

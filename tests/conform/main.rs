@@ -215,3 +215,24 @@ fn the_driver_is_identified_from_its_own_answers() {
         assert!(found["samples"].as_u64() <= Some(4096), "{format}: {found}");
     }
 }
+
+#[test]
+fn the_driver_is_a_point_of_the_tradeoff_with_the_errors_of_its_model() {
+    if !has_llvmpipe("the_driver_is_a_point_of_the_tradeoff_with_the_errors_of_its_model") {
+        return;
+    }
+    let mut command = Command::cargo_bin("outmerge").expect("the program");
+    command.args(["tradeoff", "--formats", "rgba8unorm", "--models", "llvmpipe", "-n", "1", "--json"]);
+    let output = command.args(["--adapter", "llvmpipe"]).output().expect("runs");
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let measured: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let points = measured["points"].as_array().expect("points");
+    let of = |driver: bool| points.iter().filter(move |p| (p["model"] == "driver llvmpipe") == driver);
+    assert_eq!((of(true).count(), of(false).count()), (1, 1), "both: {points:?}");
+    for (driver, model) in of(true).zip(of(false)) {
+        for figure in ["format", "layers", "max", "mean", "rms", "bias", "pixels_off"] {
+            assert_eq!(driver[figure], model[figure], "{figure}: {driver} and {model}");
+        }
+        assert!(driver["ns_per_fragment"].as_f64() > Some(0.0), "timed: {driver}");
+    }
+}

@@ -1,16 +1,19 @@
-//! How long a fragment takes in the reference merger, stages and target memory included.
+//! How long a fragment takes: in the reference merger, stages and target memory included, and in the row kernel where
+//! the model has one for the format.
 
 use std::time::Instant;
 
 use serde::Serialize;
-use wgpu_types::BlendState;
+use wgpu_types::{BlendState, ColorTargetState, ColorWrites};
 
 use super::input::{Input, Inputs};
 use super::{STATES, state};
 use crate::format::ColorFormat;
 use crate::fragment::Fragment;
+use crate::kernel::Kernel;
 use crate::merger::{Merger, MergerError};
-use crate::model::NumericModel;
+use crate::model::exact::Exact;
+use crate::model::{ColorInputs, NumericModel};
 use crate::state::block::StateBlock;
 use crate::target::{Extent, Framebuffer};
 
@@ -23,8 +26,10 @@ pub struct Time {
     pub format: &'static str,
     /// The state's name.
     pub state: &'static str,
-    /// Nanoseconds a fragment, the fastest of several runs.
+    /// Nanoseconds a fragment in the reference merger, the fastest of several runs.
     pub ns_per_fragment: f64,
+    /// The same in the row kernel, sources as 8-bit codes; `None` where there is none, and the reference runs.
+    pub kernel_ns_per_fragment: Option<f64>,
 }
 
 /// Side of the square target.
@@ -44,7 +49,9 @@ pub fn times(models: &[&dyn NumericModel], formats: &[&str], inputs: &Inputs) ->
             let blend = state(text);
             for model in models.iter().filter(|model| model.supports(format, Some(&blend)).is_ok()) {
                 let ns_per_fragment = time(*model, format, blend, inputs)?;
-                times.push(Time { model: model.name(), format: format.name(), state: name, ns_per_fragment });
+                let kernel_ns_per_fragment = kernel_time(*model, format, blend, inputs);
+                let (model, format) = (model.name(), format.name());
+                times.push(Time { model, format, state: name, ns_per_fragment, kernel_ns_per_fragment });
             }
         }
     }
@@ -82,4 +89,29 @@ pub fn time(
         fastest = fastest.min(started.elapsed().as_secs_f64());
     }
     Ok(fastest * 1e9 / f64::from(SIDE * SIDE))
+}
+
+/// Texels of a row that is timed: they stay in the nearest caches, so that this is the arithmetic.
+const ROW: u32 = 4096;
+
+/// Nanoseconds a fragment of the row kernel on random 8-bit sources; `None` where the model has none for the format.
+fn kernel_time(model: &dyn NumericModel, format: ColorFormat, blend: BlendState, inputs: &Inputs) -> Option<f64> {
+    let target = ColorTargetState { format: format.texture_format(), blend: Some(blend), write_mask: ColorWrites::ALL };
+    let kernel = Kernel::new(&target, [0.0; 4], model)?;
+    let unblended = |src| ColorInputs { format, blend: None, constant: [0.0; 4], src, src1: [0.0; 4], dst: [0; 4] };
+    let (mut src, mut before) = (vec![0; 4 * ROW as usize], vec![0; 4 * ROW as usize]);
+    for (i, (src, dst)) in (0..).zip(src.chunks_exact_mut(4).zip(before.chunks_exact_mut(4))) {
+        let stack = inputs.stack(Input::Random, format, &blend, i, 1);
+        format.pack(Exact::default().merge_color(&unblended(stack.layers[0])), src);
+        format.pack(stack.dst, dst);
+    }
+    let mut fastest = f64::INFINITY;
+    for _ in 0..20 * RUNS {
+        let mut dst = before.clone();
+        let started = Instant::now();
+        kernel.merge_row(&src, None, None, &mut dst);
+        fastest = fastest.min(started.elapsed().as_secs_f64());
+        std::hint::black_box(&dst);
+    }
+    Some(fastest * 1e9 / f64::from(ROW))
 }

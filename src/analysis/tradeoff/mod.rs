@@ -1,9 +1,12 @@
 //! Error against run time: every model on representative formats, states, depths of stacks and inputs.
 //!
 //! [`survey`] draws the same fragments in every model and compares the final codes with those of `exact`; [`clock`]
-//! times the merger; [`front`] marks the points that no other beats in both; [`fixed`] sweeps the fixed-point family.
+//! times the merger and its row kernels; [`front`] marks the points that no other beats in both; [`fixed`] sweeps the fixed-point family. With the
+//! feature `gpu`, `driver` adds a real output merger.
 
 pub mod clock;
+#[cfg(feature = "gpu")]
+pub mod driver;
 pub mod fixed;
 pub mod front;
 pub mod input;
@@ -204,7 +207,7 @@ impl Job {
         covering.iter().zip(&sums).map(|(model, sums)| (model.name(), sums.errors())).collect()
     }
 
-    fn draw(&self, model: &dyn NumericModel, stack: &input::Stack) -> Codes {
+    pub(crate) fn draw(&self, model: &dyn NumericModel, stack: &input::Stack) -> Codes {
         stack.layers.iter().fold(stack.dst, |dst, src| {
             model.merge_color(&ColorInputs {
                 format: self.format,

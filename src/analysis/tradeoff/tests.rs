@@ -65,7 +65,13 @@ fn truncation_darkens_and_rounding_to_nearest_does_not() {
 fn the_front_is_what_nothing_dominates() {
     let rows = small(&["rgba8unorm"], &[(1, 40)]);
     let time = |model: &str, ns: f64| {
-        STATES.map(|(state, _)| Time { model: model.to_owned(), format: "rgba8unorm", state, ns_per_fragment: ns })
+        STATES.map(|(state, _)| Time {
+            model: model.to_owned(),
+            format: "rgba8unorm",
+            state,
+            ns_per_fragment: ns,
+            kernel_ns_per_fragment: None,
+        })
     };
     // f16 is made slower than exact, so that it loses in both.
     let times =
@@ -75,7 +81,7 @@ fn the_front_is_what_nothing_dominates() {
     assert!(on_front.contains(&"exact") && on_front.contains(&"llvmpipe"), "least error, least time: {on_front:?}");
     assert!(!on_front.contains(&"f16"), "beaten in both: {on_front:?}");
     for a in points.iter().filter(|point| point.on_front) {
-        let beaten = points.iter().any(|b| dominates((b.ns_per_fragment, b.mean), (a.ns_per_fragment, a.mean)));
+        let beaten = points.iter().any(|b| dominates((b.ns_that_runs(), b.mean), (a.ns_that_runs(), a.mean)));
         assert!(!beaten, "{} is on the front", a.model);
     }
 }
@@ -87,4 +93,20 @@ fn survey_inputs_are_the_same_in_every_run() {
     assert_eq!(stack(3), stack(3), "one seed");
     assert_ne!(stack(3), stack(4), "two seeds");
     assert!(stack(3).layers.iter().flatten().all(|x| (0.0..=1.0).contains(x)), "in range");
+}
+
+#[test]
+fn kernels_are_timed_where_they_run_and_count_for_the_front() {
+    let models = models();
+    let models: Vec<&dyn NumericModel> = models.iter().map(AsRef::as_ref).collect();
+    let times = clock::times(&models, &["rgba8unorm", "r8snorm"], &Inputs::new(1)).expect("timed");
+    for time in &times {
+        let has_kernel =
+            time.format == "rgba8unorm" && ["exact", "f32", "fixed:8", "llvmpipe"].contains(&time.model.as_str());
+        assert_eq!(time.kernel_ns_per_fragment.is_some(), has_kernel, "{time:?}");
+    }
+    let points = points(&small(&["rgba8unorm"], &[(1, 40)]), &times);
+    for point in &points {
+        assert_eq!(point.ns_that_runs(), point.kernel_ns_per_fragment.unwrap_or(point.ns_per_fragment), "{point:?}");
+    }
 }
