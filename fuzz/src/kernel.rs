@@ -32,7 +32,7 @@ pub fn check(data: &[u8]) {
                 if i < start || keep.as_ref().is_some_and(|keep| keep[i] == 0) {
                     return dst[i];
                 }
-                let color = |texel: [u8; 4]| format.unpack(&texel).map(|code| code_value(code));
+                let color = |texel: [u8; 4]| format.unpack(&texel).map(code_value);
                 let inputs = ColorInputs {
                     format,
                     blend: target.blend,
