@@ -34,6 +34,8 @@ enum Data {
     OpaqueTarget,
     /// Premultiplied color.
     Premultiplied,
+    /// Halves of numbers in [0, 1].
+    Halves,
 }
 
 fn same(src_factor: F, dst_factor: F, operation: Op) -> BlendState {
@@ -43,6 +45,13 @@ fn same(src_factor: F, dst_factor: F, operation: Op) -> BlendState {
 
 fn cases() -> Vec<Case> {
     let unorm = |name, blend, models, data| Case { name, format: TextureFormat::Rgba8Unorm, blend, models, data };
+    let half = |name, blend| Case {
+        name,
+        format: TextureFormat::Rgba16Float,
+        blend,
+        models: &["exact", "f32", "llvmpipe"],
+        data: Data::Halves,
+    };
     let all: &[&str] = &["exact", "fixed:8", "llvmpipe"];
     // Everything separate, every operand computed.
     let worst = BlendState {
@@ -60,6 +69,8 @@ fn cases() -> Vec<Case> {
         unorm("additive by alpha", same(F::SrcAlpha, F::One, Op::Add), &["exact"], Data::Any),
         unorm("xor", same(F::OneMinusDstAlpha, F::OneMinusSrcAlpha, Op::Add), all, Data::Premultiplied),
         unorm("separate, saturate and subtract", worst, all, Data::Any),
+        half("half over, straight", BlendState::ALPHA_BLENDING),
+        half("half over, premultiplied", BlendState::PREMULTIPLIED_ALPHA_BLENDING),
     ]
 }
 
@@ -74,10 +85,14 @@ pub fn bytes(count: usize, seed: u64) -> Vec<u8> {
 }
 
 fn image(data: Data, pixels: usize, seed: u64, is_target: bool) -> Vec<u8> {
+    if data == Data::Halves {
+        let mut random = fastrand::Rng::with_seed(seed);
+        return (0..2 * pixels).flat_map(|_| half::f16::from_f32(random.f32()).to_le_bytes()).collect();
+    }
     let mut image = bytes(4 * pixels, seed);
     for texel in image.as_chunks_mut::<4>().0 {
         match data {
-            Data::Any => {}
+            Data::Any | Data::Halves => {}
             Data::OpaqueTarget if is_target => texel[3] = 255,
             Data::OpaqueTarget => {}
             Data::Premultiplied => {

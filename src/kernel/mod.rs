@@ -15,10 +15,13 @@
 //! the machine has.
 
 pub mod depth;
+mod half;
+mod over;
 pub mod simd;
 pub mod tile;
 mod unorm8;
 
+pub use over::FloatRule;
 pub use simd::Isa;
 pub use unorm8::rule::{self, Rule};
 
@@ -27,12 +30,19 @@ use wgpu_types::{ColorTargetState, TextureFormat};
 use crate::model::NumericModel;
 use unorm8::Unorm8;
 
-/// Bytes of a texel.
+/// Bytes of an 8-bit texel with four channels.
 pub const TEXEL: usize = 4;
 
 /// A row kernel for one color target.
 #[derive(Clone, Debug)]
-pub struct Kernel(Unorm8);
+pub struct Kernel(Path);
+
+/// One family of targets each.
+#[derive(Clone, Debug)]
+enum Path {
+    Unorm8(Unorm8),
+    Half(half::Half),
+}
 
 /// The slices of a row; lengths are checked.
 pub(crate) struct Row<'a> {
@@ -49,22 +59,35 @@ impl Kernel {
     /// it.
     #[must_use]
     pub fn new(target: &ColorTargetState, constant: [f32; 4], model: &dyn NumericModel) -> Option<Self> {
-        let swap = match target.format {
-            TextureFormat::Rgba8Unorm => false,
-            TextureFormat::Bgra8Unorm => true,
+        Some(Self(match target.format {
+            TextureFormat::Rgba8Unorm => Path::Unorm8(Unorm8::new(target, constant, model.unorm8_rule()?, false)?),
+            TextureFormat::Bgra8Unorm => Path::Unorm8(Unorm8::new(target, constant, model.unorm8_rule()?, true)?),
+            TextureFormat::Rgba16Float => Path::Half(half::Half::new(target, model.float_rule()?)?),
             _ => return None,
-        };
-        Unorm8::new(target, constant, model.unorm8_rule()?, swap).map(Self)
+        }))
+    }
+
+    /// Bytes of a texel: 4, or 8 for halves.
+    #[must_use]
+    pub fn texel(&self) -> usize {
+        match self.0 {
+            Path::Unorm8(_) => TEXEL,
+            Path::Half(_) => half::TEXEL,
+        }
     }
 
     /// Whether the second source is read.
     #[must_use]
     pub fn reads_second_source(&self) -> bool {
-        self.0.reads_second_source()
+        match &self.0 {
+            Path::Unorm8(kernel) => kernel.reads_second_source(),
+            Path::Half(_) => false,
+        }
     }
 
-    /// Merges a row on the widest instruction set of the machine. All slices hold texels of 4 bytes in the target's own
-    /// byte order: `src` the fragments' color as codes, `src1` the second source if the state reads it, `dst` the target.
+    /// Merges a row on the widest instruction set of the machine. All slices hold texels of [`texel`](Self::texel) bytes in
+    /// the target's own byte order: `src` the fragments' color, `src1` the second source if the state reads it, `dst` the
+    /// target. Source bytes are linear codes (k / 255), also for sRGB targets, and halves for half-float ones.
     /// `keep`, one byte a texel, is 255 where the fragment is merged and 0 where it was discarded or failed a test.
     ///
     /// # Panics
@@ -79,10 +102,14 @@ impl Kernel {
     /// As `merge_row`, and when the machine lacks the instruction set.
     pub fn merge_row_on(&self, isa: Isa, src: &[u8], src1: Option<&[u8]>, keep: Option<&[u8]>, dst: &mut [u8]) {
         assert_eq!(src.len(), dst.len(), "source and target have as many texels");
-        assert_eq!(dst.len() % TEXEL, 0, "whole texels");
+        assert_eq!(dst.len() % self.texel(), 0, "whole texels");
         assert!(!self.reads_second_source() || src1.is_some(), "the state reads a second source");
         assert!(src1.is_none_or(|src1| src1.len() == dst.len()), "second source and target have as many texels");
-        assert!(keep.is_none_or(|keep| keep.len() * TEXEL == dst.len()), "one byte of `keep` a texel");
-        self.0.merge(isa, Row { src, src1, keep, dst });
+        assert!(keep.is_none_or(|keep| keep.len() * self.texel() == dst.len()), "one byte of `keep` a texel");
+        let row = Row { src, src1, keep, dst };
+        match &self.0 {
+            Path::Unorm8(kernel) => kernel.merge(isa, row),
+            Path::Half(kernel) => kernel.merge(isa, row),
+        }
     }
 }

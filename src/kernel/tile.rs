@@ -26,7 +26,8 @@ pub struct Layer<'a> {
 /// Merges all layers in order, tile by tile. The result does not depend on `tile_texels`.
 ///
 /// # Panics
-/// When a layer's texels are not as many as the target's, its state reads a second source, or `tile_texels` is 0.
+/// When a layer's texels are not as many as the target's, its state reads a second source, its kernel
+/// is one for halves, or `tile_texels` is 0.
 pub fn merge_layers(layers: &[Layer<'_>], tile_texels: usize, target: &mut [u8]) {
     check(layers, target.len());
     for (index, tile) in target.chunks_mut(tile_texels * TEXEL).enumerate() {
@@ -49,6 +50,7 @@ pub fn merge_layers_parallel(layers: &[Layer<'_>], tile_texels: usize, target: &
 fn check(layers: &[Layer<'_>], bytes: usize) {
     for layer in layers {
         assert!(!layer.kernel.reads_second_source(), "layers have no second source");
+        assert_eq!(layer.kernel.texel(), TEXEL, "layers have texels of four bytes");
         if let Source::Texels(texels) = layer.source {
             assert_eq!(texels.len(), bytes, "a layer has as many texels as the target");
         }

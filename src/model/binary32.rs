@@ -151,6 +151,10 @@ impl NumericModel for Binary32 {
         explain(self, inputs)
     }
 
+    fn float_rule(&self) -> Option<crate::kernel::FloatRule> {
+        Some(crate::kernel::FloatRule::Binary32)
+    }
+
     fn unorm8_rule(&self) -> Option<crate::kernel::Rule> {
         Some(crate::kernel::Rule::Exact)
     }

@@ -101,6 +101,12 @@ pub trait NumericModel: Debug + Send + Sync {
         None
     }
 
+    /// How this model blends half-float and sRGB targets when sources are codes of the target's width, if
+    /// [`crate::kernel`] has rows for it.
+    fn float_rule(&self) -> Option<crate::kernel::FloatRule> {
+        None
+    }
+
     /// Whether, on this float target, destination terms whose factor is the constant zero are left out of the sum, so
     /// that not even NaN, infinity or the sign of a zero in the destination shows. With source factors one as well, the
     /// result is then that of blending off.

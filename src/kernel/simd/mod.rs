@@ -84,8 +84,10 @@ pub(super) fn run(isa: Isa, task: impl Task) {
 /// and interleavings stay within lanes of 16 bytes.
 #[cfg_attr(not(target_arch = "x86_64"), expect(dead_code, reason = "vectors are x86-64's only"))]
 pub(super) trait Simd: Copy {
-    /// A vector.
+    /// A vector of integers.
     type V: Copy;
+    /// A vector of binary32 numbers.
+    type F: Copy;
 
     /// Bytes of a vector.
     const BYTES: usize;
@@ -126,6 +128,53 @@ pub(super) trait Simd: Copy {
     fn high_bytes16(self, a: Self::V) -> Self::V;
     /// Unsigned bytes times signed ones, neighbours added into 16 bits with signed saturation.
     fn multiply_add8(self, unsigned: Self::V, signed: Self::V) -> Self::V;
+
+    fn add32(self, a: Self::V, b: Self::V) -> Self::V;
+    /// Signed 16-bit products, neighbours added into 32 bits.
+    fn multiply_add16(self, a: Self::V, b: Self::V) -> Self::V;
+    fn shift_left32<const BITS: u32>(self, a: Self::V) -> Self::V;
+    fn shift_right32<const BITS: u32>(self, a: Self::V) -> Self::V;
+    /// Which elements are equal: a bit each.
+    fn equal32(self, a: Self::V, b: Self::V) -> u32;
+    /// Which signed elements of `a` are greater.
+    fn greater32(self, a: Self::V, b: Self::V) -> u32;
+    /// `table[index]` for every element; indices count modulo the table's length, a power of two.
+    fn gather32<const LENGTH: usize>(self, table: &[u32; LENGTH], index: Self::V) -> Self::V;
+
+    /// Signed integers as numbers.
+    fn to_f32(self, a: Self::V) -> Self::F;
+    /// Numbers as integers, to the nearest even.
+    fn round_f32(self, a: Self::F) -> Self::V;
+    fn bits_f32(self, a: Self::F) -> Self::V;
+    fn as_f32(self, a: Self::V) -> Self::F;
+    fn add_f32(self, a: Self::F, b: Self::F) -> Self::F;
+    fn subtract_f32(self, a: Self::F, b: Self::F) -> Self::F;
+    fn multiply_f32(self, a: Self::F, b: Self::F) -> Self::F;
+    /// a b + c, rounded once.
+    fn multiply_add_f32(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F;
+    /// The second operand where either is NaN.
+    fn min_f32(self, a: Self::F, b: Self::F) -> Self::F;
+    fn max_f32(self, a: Self::F, b: Self::F) -> Self::F;
+    /// The last of every four elements, four times.
+    fn alpha_f32(self, a: Self::F) -> Self::F;
+    /// Binary16 numbers, half a vector's bytes of them.
+    fn load_f16(self, bytes: &[u8]) -> Self::F;
+    /// To binary16, to the nearest even.
+    fn store_f16(self, bytes: &mut [u8], a: Self::F);
+    /// To binary16, toward zero.
+    fn store_f16_truncated(self, bytes: &mut [u8], a: Self::F);
+
+    /// One number everywhere.
+    #[inline(always)]
+    fn splat_f32(self, x: f32) -> Self::F {
+        self.as_f32(self.splat32(x.to_le_bytes()))
+    }
+
+    /// One 32-bit integer everywhere.
+    #[inline(always)]
+    fn splat_u32(self, x: u32) -> Self::V {
+        self.splat32(x.to_le_bytes())
+    }
 
     /// One byte everywhere.
     #[inline(always)]

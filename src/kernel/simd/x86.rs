@@ -48,6 +48,7 @@ macro_rules! instructions {
 
 impl Simd for Avx2 {
     type V = __m256i;
+    type F = __m256;
     const BYTES: usize = 32;
 
     #[inline(always)]
@@ -84,6 +85,99 @@ impl Simd for Avx2 {
         unsafe { _mm_prefetch::<_MM_HINT_T0>(address.cast()) }
     }
 
+    #[inline(always)]
+    fn equal32(self, a: __m256i, b: __m256i) -> u32 {
+        // SAFETY: `self` proves the instructions.
+        unsafe { _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(a, b))) }.cast_unsigned()
+    }
+
+    #[inline(always)]
+    fn greater32(self, a: __m256i, b: __m256i) -> u32 {
+        // SAFETY: `self` proves the instructions.
+        unsafe { _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpgt_epi32(a, b))) }.cast_unsigned()
+    }
+
+    #[inline(always)]
+    fn gather32<const LENGTH: usize>(self, table: &[u32; LENGTH], index: __m256i) -> __m256i {
+        const { assert!(LENGTH.is_power_of_two() && LENGTH <= 1 << 16, "indices are masked") };
+        #[expect(clippy::cast_possible_truncation, reason = "at most 2^16")]
+        let index = self.and(index, self.splat_u32(LENGTH as u32 - 1));
+        // SAFETY: `self` proves the instruction, and the mask keeps every index inside the table.
+        unsafe { _mm256_i32gather_epi32::<4>(table.as_ptr().cast(), index) }
+    }
+
+    #[inline(always)]
+    fn shift_left32<const BITS: u32>(self, a: __m256i) -> __m256i {
+        // SAFETY: `self` proves the instructions.
+        unsafe { _mm256_sll_epi32(a, _mm_cvtsi32_si128(BITS.cast_signed())) }
+    }
+
+    #[inline(always)]
+    fn shift_right32<const BITS: u32>(self, a: __m256i) -> __m256i {
+        // SAFETY: `self` proves the instructions.
+        unsafe { _mm256_srl_epi32(a, _mm_cvtsi32_si128(BITS.cast_signed())) }
+    }
+
+    #[inline(always)]
+    fn to_f32(self, a: __m256i) -> __m256 {
+        // SAFETY: `self` proves the instruction.
+        unsafe { _mm256_cvtepi32_ps(a) }
+    }
+
+    #[inline(always)]
+    fn round_f32(self, a: __m256) -> __m256i {
+        // SAFETY: `self` proves the instruction.
+        unsafe { _mm256_cvtps_epi32(a) }
+    }
+
+    #[inline(always)]
+    fn bits_f32(self, a: __m256) -> __m256i {
+        // SAFETY: `self` proves the instruction.
+        unsafe { _mm256_castps_si256(a) }
+    }
+
+    #[inline(always)]
+    fn as_f32(self, a: __m256i) -> __m256 {
+        // SAFETY: `self` proves the instruction.
+        unsafe { _mm256_castsi256_ps(a) }
+    }
+
+    #[inline(always)]
+    fn alpha_f32(self, a: __m256) -> __m256 {
+        // SAFETY: `self` proves the instruction.
+        unsafe { _mm256_permute_ps::<0xff>(a) }
+    }
+
+    #[inline(always)]
+    fn load_f16(self, bytes: &[u8]) -> __m256 {
+        let bytes = &bytes[..Self::BYTES / 2];
+        // SAFETY: `self` proves the instructions, and the slice has half a vector's bytes.
+        unsafe { _mm256_cvtph_ps(_mm_loadu_si128(bytes.as_ptr().cast())) }
+    }
+
+    #[inline(always)]
+    fn store_f16(self, bytes: &mut [u8], a: __m256) {
+        let bytes = &mut bytes[..Self::BYTES / 2];
+        // SAFETY: `self` proves the instructions, and the slice has half a vector's bytes.
+        unsafe { _mm_storeu_si128(bytes.as_mut_ptr().cast(), _mm256_cvtps_ph::<_MM_FROUND_TO_NEAREST_INT>(a)) }
+    }
+
+    #[inline(always)]
+    fn store_f16_truncated(self, bytes: &mut [u8], a: __m256) {
+        let bytes = &mut bytes[..Self::BYTES / 2];
+        // SAFETY: `self` proves the instructions, and the slice has half a vector's bytes.
+        unsafe { _mm_storeu_si128(bytes.as_mut_ptr().cast(), _mm256_cvtps_ph::<_MM_FROUND_TO_ZERO>(a)) }
+    }
+
+    instructions! { __m256;
+        add_f32(a, b) = _mm256_add_ps;
+        subtract_f32(a, b) = _mm256_sub_ps;
+        multiply_f32(a, b) = _mm256_mul_ps;
+        multiply_add_f32(a, b, c) = _mm256_fmadd_ps;
+        min_f32(a, b) = _mm256_min_ps;
+        max_f32(a, b) = _mm256_max_ps;
+    }
+
     instructions! { __m256i;
         and(a, b) = _mm256_and_si256;
         or(a, b) = _mm256_or_si256;
@@ -103,11 +197,14 @@ impl Simd for Avx2 {
         multiply_high16(a, b) = _mm256_mulhi_epu16;
         high_bytes16(a) = _mm256_srli_epi16::<8>;
         multiply_add8(unsigned, signed) = _mm256_maddubs_epi16;
+        add32(a, b) = _mm256_add_epi32;
+        multiply_add16(a, b) = _mm256_madd_epi16;
     }
 }
 
 impl Simd for Avx512 {
     type V = __m512i;
+    type F = __m512;
     const BYTES: usize = 64;
 
     #[inline(always)]
@@ -142,6 +239,99 @@ impl Simd for Avx512 {
         unsafe { _mm_prefetch::<_MM_HINT_T0>(address.cast()) }
     }
 
+    #[inline(always)]
+    fn equal32(self, a: __m512i, b: __m512i) -> u32 {
+        // SAFETY: `self` proves the instruction.
+        u32::from(unsafe { _mm512_cmpeq_epi32_mask(a, b) })
+    }
+
+    #[inline(always)]
+    fn greater32(self, a: __m512i, b: __m512i) -> u32 {
+        // SAFETY: `self` proves the instruction.
+        u32::from(unsafe { _mm512_cmpgt_epi32_mask(a, b) })
+    }
+
+    #[inline(always)]
+    fn gather32<const LENGTH: usize>(self, table: &[u32; LENGTH], index: __m512i) -> __m512i {
+        const { assert!(LENGTH.is_power_of_two() && LENGTH <= 1 << 16, "indices are masked") };
+        #[expect(clippy::cast_possible_truncation, reason = "at most 2^16")]
+        let index = self.and(index, self.splat_u32(LENGTH as u32 - 1));
+        // SAFETY: `self` proves the instruction, and the mask keeps every index inside the table.
+        unsafe { _mm512_i32gather_epi32::<4>(index, table.as_ptr().cast()) }
+    }
+
+    #[inline(always)]
+    fn shift_left32<const BITS: u32>(self, a: __m512i) -> __m512i {
+        // SAFETY: `self` proves the instructions.
+        unsafe { _mm512_sll_epi32(a, _mm_cvtsi32_si128(BITS.cast_signed())) }
+    }
+
+    #[inline(always)]
+    fn shift_right32<const BITS: u32>(self, a: __m512i) -> __m512i {
+        // SAFETY: `self` proves the instructions.
+        unsafe { _mm512_srl_epi32(a, _mm_cvtsi32_si128(BITS.cast_signed())) }
+    }
+
+    #[inline(always)]
+    fn to_f32(self, a: __m512i) -> __m512 {
+        // SAFETY: `self` proves the instruction.
+        unsafe { _mm512_cvtepi32_ps(a) }
+    }
+
+    #[inline(always)]
+    fn round_f32(self, a: __m512) -> __m512i {
+        // SAFETY: `self` proves the instruction.
+        unsafe { _mm512_cvtps_epi32(a) }
+    }
+
+    #[inline(always)]
+    fn bits_f32(self, a: __m512) -> __m512i {
+        // SAFETY: `self` proves the instruction.
+        unsafe { _mm512_castps_si512(a) }
+    }
+
+    #[inline(always)]
+    fn as_f32(self, a: __m512i) -> __m512 {
+        // SAFETY: `self` proves the instruction.
+        unsafe { _mm512_castsi512_ps(a) }
+    }
+
+    #[inline(always)]
+    fn alpha_f32(self, a: __m512) -> __m512 {
+        // SAFETY: `self` proves the instruction.
+        unsafe { _mm512_permute_ps::<0xff>(a) }
+    }
+
+    #[inline(always)]
+    fn load_f16(self, bytes: &[u8]) -> __m512 {
+        let bytes = &bytes[..Self::BYTES / 2];
+        // SAFETY: `self` proves the instructions, and the slice has half a vector's bytes.
+        unsafe { _mm512_cvtph_ps(_mm256_loadu_si256(bytes.as_ptr().cast())) }
+    }
+
+    #[inline(always)]
+    fn store_f16(self, bytes: &mut [u8], a: __m512) {
+        let bytes = &mut bytes[..Self::BYTES / 2];
+        // SAFETY: `self` proves the instructions, and the slice has half a vector's bytes.
+        unsafe { _mm256_storeu_si256(bytes.as_mut_ptr().cast(), _mm512_cvtps_ph::<_MM_FROUND_TO_NEAREST_INT>(a)) }
+    }
+
+    #[inline(always)]
+    fn store_f16_truncated(self, bytes: &mut [u8], a: __m512) {
+        let bytes = &mut bytes[..Self::BYTES / 2];
+        // SAFETY: `self` proves the instructions, and the slice has half a vector's bytes.
+        unsafe { _mm256_storeu_si256(bytes.as_mut_ptr().cast(), _mm512_cvtps_ph::<_MM_FROUND_TO_ZERO>(a)) }
+    }
+
+    instructions! { __m512;
+        add_f32(a, b) = _mm512_add_ps;
+        subtract_f32(a, b) = _mm512_sub_ps;
+        multiply_f32(a, b) = _mm512_mul_ps;
+        multiply_add_f32(a, b, c) = _mm512_fmadd_ps;
+        min_f32(a, b) = _mm512_min_ps;
+        max_f32(a, b) = _mm512_max_ps;
+    }
+
     instructions! { __m512i;
         and(a, b) = _mm512_and_si512;
         or(a, b) = _mm512_or_si512;
@@ -161,6 +351,8 @@ impl Simd for Avx512 {
         multiply_high16(a, b) = _mm512_mulhi_epu16;
         high_bytes16(a) = _mm512_srli_epi16::<8>;
         multiply_add8(unsigned, signed) = _mm512_maddubs_epi16;
+        add32(a, b) = _mm512_add_epi32;
+        multiply_add16(a, b) = _mm512_madd_epi16;
     }
 }
 

@@ -87,6 +87,10 @@ impl NumericModel for Exact {
         self.extended(inputs, explain).1
     }
 
+    fn float_rule(&self) -> Option<crate::kernel::FloatRule> {
+        (self.rounding == Rounding::NearestEven).then_some(crate::kernel::FloatRule::Exact)
+    }
+
     fn unorm8_rule(&self) -> Option<crate::kernel::Rule> {
         // Sums of 8-bit products are never ties, so that both ways to the nearest agree.
         (self.rounding != Rounding::TowardZero).then_some(crate::kernel::Rule::Exact)

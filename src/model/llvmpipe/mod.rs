@@ -111,11 +111,15 @@ impl NumericModel for Llvmpipe {
         steps::explain(inputs, &self.run(inputs))
     }
 
-    /// The driver clamps fragment depth to `[0, 1]`; the viewport's range matters to it only with depth clamping on.
+    fn float_rule(&self) -> Option<crate::kernel::FloatRule> {
+        Some(crate::kernel::FloatRule::Llvmpipe)
+    }
+
     fn unorm8_rule(&self) -> Option<crate::kernel::Rule> {
         Some(crate::kernel::Rule::Llvmpipe)
     }
 
+    /// The driver clamps fragment depth to `[0, 1]`; the viewport's range matters to it only with depth clamping on.
     fn depth_code(&self, kind: DepthKind, z: f32, _range: [f32; 2]) -> u32 {
         depth::depth_code(kind, z)
     }
