@@ -45,6 +45,13 @@ fn same(src_factor: F, dst_factor: F, operation: Op) -> BlendState {
 
 fn cases() -> Vec<Case> {
     let unorm = |name, blend, models, data| Case { name, format: TextureFormat::Rgba8Unorm, blend, models, data };
+    let srgb = |name, blend| Case {
+        name,
+        format: TextureFormat::Rgba8UnormSrgb,
+        blend,
+        models: &["exact", "f32", "llvmpipe"],
+        data: Data::Any,
+    };
     let half = |name, blend| Case {
         name,
         format: TextureFormat::Rgba16Float,
@@ -69,6 +76,7 @@ fn cases() -> Vec<Case> {
         unorm("additive by alpha", same(F::SrcAlpha, F::One, Op::Add), &["exact"], Data::Any),
         unorm("xor", same(F::OneMinusDstAlpha, F::OneMinusSrcAlpha, Op::Add), all, Data::Premultiplied),
         unorm("separate, saturate and subtract", worst, all, Data::Any),
+        srgb("srgb over, straight", BlendState::ALPHA_BLENDING),
         half("half over, straight", BlendState::ALPHA_BLENDING),
         half("half over, premultiplied", BlendState::PREMULTIPLIED_ALPHA_BLENDING),
     ]
@@ -183,7 +191,7 @@ fn peers_of<'a>(name: &str, size: usize, pixman: Option<&'a Pixman>) -> Vec<Cont
         "premultiplied over" => both(Operator::Over, BlendMode::SourceOver),
         "plus" => both(Operator::Add, BlendMode::Plus),
         "xor" => both(Operator::Xor, BlendMode::Xor),
-        "srgb over" => vec![Contender::new("fast-srgb8 1.0", peers::fast_srgb8)],
+        "srgb over, straight" => vec![Contender::new("fast-srgb8 1.0", peers::fast_srgb8)],
         _ => Vec::new(),
     }
 }

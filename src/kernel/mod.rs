@@ -1,12 +1,17 @@
 //! Fast paths: whole rows of texels merged at once, byte for byte as the reference does it.
 //!
 //! A [`Kernel`] is compiled once from state, format and model; then nothing branches on state inside a row. Kernels exist
-//! for 8-bit unorm targets with four channels and sources that are 8-bit codes, in the models that have an integer
-//! [`Rule`] for that: `exact`, `f32`, `fixed:8` and `llvmpipe`. [`Kernel::new`] answers `None` for everything else, which
-//! the reference merger covers.
+//! for
+//!
+//! - 8-bit unorm targets with four channels, every blend state, sources that are 8-bit codes, in the models that have an
+//!   integer [`Rule`] for that: `exact`, `f32`, `fixed:8` and `llvmpipe`;
+//! - 8-bit sRGB targets, sources that are 8-bit codes of linear color, and `rgba16float`, sources that are halves: straight
+//!   and premultiplied over and additive blending, in the models with a [`FloatRule`]: `exact`, `f32` and `llvmpipe`.
+//!
+//! [`Kernel::new`] answers `None` for everything else, which the reference merger covers.
 //!
 //! - [`rule`]: how each model rounds, as 16-bit integer arithmetic, with the proof that it is the model;
-//! - `unorm8`: the rows of 8-bit targets;
+//! - `unorm8`, `srgb8`, `half`: the rows of 8-bit, sRGB and half-float targets;
 //! - [`simd`]: instruction sets, the choice between them, and vectors as safe functions;
 //! - [`depth`]: the depth test of a row, which makes the write mask of its texels;
 //! - [`tile`]: many layers at once, tile by tile, so that the target stays in the cache.
@@ -18,6 +23,7 @@ pub mod depth;
 mod half;
 mod over;
 pub mod simd;
+mod srgb8;
 pub mod tile;
 mod unorm8;
 
@@ -42,6 +48,7 @@ pub struct Kernel(Path);
 enum Path {
     Unorm8(Unorm8),
     Half(half::Half),
+    Srgb8(srgb8::Srgb8),
 }
 
 /// The slices of a row; lengths are checked.
@@ -62,6 +69,9 @@ impl Kernel {
         Some(Self(match target.format {
             TextureFormat::Rgba8Unorm => Path::Unorm8(Unorm8::new(target, constant, model.unorm8_rule()?, false)?),
             TextureFormat::Bgra8Unorm => Path::Unorm8(Unorm8::new(target, constant, model.unorm8_rule()?, true)?),
+            TextureFormat::Rgba8UnormSrgb | TextureFormat::Bgra8UnormSrgb => {
+                Path::Srgb8(srgb8::Srgb8::new(target, model.float_rule()?)?)
+            }
             TextureFormat::Rgba16Float => Path::Half(half::Half::new(target, model.float_rule()?)?),
             _ => return None,
         }))
@@ -71,7 +81,7 @@ impl Kernel {
     #[must_use]
     pub fn texel(&self) -> usize {
         match self.0 {
-            Path::Unorm8(_) => TEXEL,
+            Path::Unorm8(_) | Path::Srgb8(_) => TEXEL,
             Path::Half(_) => half::TEXEL,
         }
     }
@@ -81,7 +91,7 @@ impl Kernel {
     pub fn reads_second_source(&self) -> bool {
         match &self.0 {
             Path::Unorm8(kernel) => kernel.reads_second_source(),
-            Path::Half(_) => false,
+            Path::Half(_) | Path::Srgb8(_) => false,
         }
     }
 
@@ -110,6 +120,7 @@ impl Kernel {
         match &self.0 {
             Path::Unorm8(kernel) => kernel.merge(isa, row),
             Path::Half(kernel) => kernel.merge(isa, row),
+            Path::Srgb8(kernel) => kernel.merge(isa, row),
         }
     }
 }

@@ -7,6 +7,7 @@
 mod exhaustive;
 mod halves;
 mod rows;
+mod srgb;
 mod states;
 mod tiles;
 

@@ -130,8 +130,6 @@ pub(super) trait Simd: Copy {
     fn multiply_add8(self, unsigned: Self::V, signed: Self::V) -> Self::V;
 
     fn add32(self, a: Self::V, b: Self::V) -> Self::V;
-    /// Signed 16-bit products, neighbours added into 32 bits.
-    fn multiply_add16(self, a: Self::V, b: Self::V) -> Self::V;
     fn shift_left32<const BITS: u32>(self, a: Self::V) -> Self::V;
     fn shift_right32<const BITS: u32>(self, a: Self::V) -> Self::V;
     /// Which elements are equal: a bit each.

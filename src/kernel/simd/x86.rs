@@ -198,7 +198,6 @@ impl Simd for Avx2 {
         high_bytes16(a) = _mm256_srli_epi16::<8>;
         multiply_add8(unsigned, signed) = _mm256_maddubs_epi16;
         add32(a, b) = _mm256_add_epi32;
-        multiply_add16(a, b) = _mm256_madd_epi16;
     }
 }
 
@@ -352,7 +351,6 @@ impl Simd for Avx512 {
         high_bytes16(a) = _mm512_srli_epi16::<8>;
         multiply_add8(unsigned, signed) = _mm512_maddubs_epi16;
         add32(a, b) = _mm512_add_epi32;
-        multiply_add16(a, b) = _mm512_madd_epi16;
     }
 }
 

@@ -55,7 +55,7 @@ fn decode_alpha(code: u32) -> f32 {
 }
 
 /// A stored byte as a linear number: a line up to 15, then a cubic evaluated as even + x odd.
-pub(super) fn decode(code: u32) -> f32 {
+pub(crate) fn decode(code: u32) -> f32 {
     let x = byte(code);
     if code <= 15 {
         return x * LINEAR_SLOPE;
