@@ -7,8 +7,15 @@ use outmerge::scene::Scene;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
-    let scenes = Scene::bundled().map(|(name, scene)| Ok((name.to_owned(), scene?)));
-    let scenes = scenes.collect::<Result<Vec<_>, outmerge::scene::SceneFileError>>()?;
+    let bundled = Scene::bundled().map(|(name, scene)| Ok((name.to_owned(), scene?)));
+    let mut scenes = bundled.collect::<Result<Vec<_>, outmerge::scene::SceneFileError>>()?;
+    let mut files = std::fs::read_dir(docs.join("../examples/scenes"))?.collect::<Result<Vec<_>, _>>()?;
+    files.retain(|file| file.path().extension().is_some_and(|ending| ending == "toml"));
+    files.sort_by_key(std::fs::DirEntry::file_name);
+    for file in files {
+        let name = format!("examples/scenes/{}", file.file_name().to_string_lossy());
+        scenes.push((name, Scene::load(&file.path())?));
+    }
     let gallery = gallery(&scenes, "cargo run --release --example gallery")?;
     let folder = docs.join("gallery");
     if folder.exists() {

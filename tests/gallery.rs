@@ -1,10 +1,10 @@
 //! The committed gallery is what its command makes.
-#![cfg(feature = "report")]
+#![cfg(all(feature = "meshes", feature = "report"))]
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use outmerge::report::gallery::{Gallery, HEADLINE_SCENE, gallery, headline};
+use outmerge::report::gallery::{Gallery, HEADLINE_SCENE, gallery, headline, stem};
 use outmerge::scene::{Picture, Scene};
 
 const COMMAND: &str = "cargo run --release --example gallery";
@@ -14,7 +14,19 @@ fn docs() -> PathBuf {
 }
 
 fn scenes() -> Vec<(String, Scene)> {
-    Scene::bundled().map(|(name, scene)| (name.to_owned(), scene.expect("bundled scenes are correct"))).collect()
+    let bundled = Scene::bundled().map(|(name, scene)| (name.to_owned(), scene.expect("bundled scenes are correct")));
+    let mut files: Vec<_> = std::fs::read_dir(docs().join("../examples/scenes"))
+        .expect("the folder of examples")
+        .map(|file| file.expect("a directory entry").path())
+        .filter(|path| path.extension().is_some_and(|ending| ending == "toml"))
+        .collect();
+    files.sort();
+    assert!(files.len() >= 3, "scenes with pictures, meshes and models of their own: {files:?}");
+    let loaded = files.iter().map(|path| {
+        let file = path.file_name().expect("a file").to_string_lossy();
+        (format!("examples/scenes/{file}"), Scene::load(path).unwrap_or_else(|error| panic!("{error}")))
+    });
+    bundled.chain(loaded).collect()
 }
 
 fn made() -> Gallery {
@@ -26,14 +38,25 @@ fn page() -> String {
 }
 
 #[test]
-fn every_bundled_scene_is_listed_with_its_sentences_and_a_picture_that_exists() {
+fn every_scene_is_listed_with_its_sentences_and_a_picture_that_exists() {
     let page = page();
     for (name, scene) in scenes() {
         let entry = format!("- **{}** (`{name}`): {}", scene.title, scene.explanation);
         assert!(page.lines().any(|line| line == entry), "{name} is not listed as it explains itself; run `{COMMAND}`");
-        assert!(page.contains(&format!("](gallery/{name}.png)")), "{name} has no picture on the page");
-        assert!(docs().join(format!("gallery/{name}.png")).is_file(), "gallery/{name}.png is missing");
+        let picture = format!("gallery/{}.png", stem(&name));
+        assert!(page.contains(&format!("]({picture})")), "{name} has no picture on the page");
+        assert!(docs().join(&picture).is_file(), "{picture} is missing");
     }
+}
+
+#[test]
+fn the_precision_scenes_lead_to_the_texture_report() {
+    let page = page();
+    let section = page.split("\n## ").find(|section| section.starts_with("Premultiplied precision")).expect("there");
+    for way in ["`outmerge texture FILE.png`", "](../examples/texture_report.rs)"] {
+        assert!(section.contains(way), "{way} in {section}");
+    }
+    assert!(docs().join("../examples/texture_report.rs").is_file(), "the example exists");
 }
 
 fn compare(path: &Path, picture: &Picture) {

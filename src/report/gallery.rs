@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::difference::Differences;
+use super::section;
 use crate::model::exact::Exact;
 use crate::model::registry;
 use crate::scene::description::Reference;
@@ -27,14 +28,27 @@ struct Shown {
     caption: String,
 }
 
-/// Renders the scenes in the `exact` model and describes them, grouped by technique in the given order.
+/// Where the numbers behind premultiplied storage are.
+const TEXTURE_REPORT: &str = "In numbers, the texture report: `outmerge texture FILE.png` for any image, section \
+                              *texture* of `outmerge report`, and the example [texture_report.rs](../examples/texture_report.rs).";
+
+/// A scene's name without folder and ending: the first part of its pictures' file names.
+#[must_use]
+pub fn stem(name: &str) -> &str {
+    let file = name.rsplit('/').next().unwrap_or(name);
+    file.strip_suffix(".toml").unwrap_or(file)
+}
+
+/// Renders the scenes, by name or path, in the `exact` model and describes them, grouped by technique in the given
+/// order.
 ///
 /// # Errors
 /// [`SceneError`] for the first scene that cannot be rendered.
 pub fn gallery(scenes: &[(String, Scene)], command: &str) -> Result<Gallery, SceneError> {
     let mut page = format!(
-        "# Gallery\n\nEvery bundled scene, rendered in the `exact` model. Made by `{command}`; render one with \
-         `outmerge render NAME -o NAME.png`, see all models side by side with `outmerge report -o DIR`.\n"
+        "# Gallery\n\nEvery bundled scene and, at the end, every scene of `examples/scenes`, rendered in the `exact` model. \
+         Made by `{command}`; render one with `outmerge render NAME -o NAME.png`, see all models side by side with \
+         `outmerge report -o DIR`.\n"
     );
     let mut pictures = Vec::new();
     for group in scenes.chunk_by(|(_, a), (_, b)| a.technique == b.technique) {
@@ -42,8 +56,9 @@ pub fn gallery(scenes: &[(String, Scene)], command: &str) -> Result<Gallery, Sce
         let _ = writeln!(page, "\n## {}\n", heading(technique));
         let mut shown = Vec::new();
         for (name, scene) in group {
+            let stem = stem(name);
             for (suffix, caption, picture) in views(scene)? {
-                let file = format!("{name}{suffix}.png");
+                let file = format!("{stem}{suffix}.png");
                 shown.push(Shown { file: file.clone(), caption });
                 pictures.push((file, picture));
             }
@@ -51,6 +66,9 @@ pub fn gallery(scenes: &[(String, Scene)], command: &str) -> Result<Gallery, Sce
         shown.chunks(COLUMNS).for_each(|row| table(&mut page, row));
         for (name, scene) in group {
             let _ = writeln!(page, "- **{}** (`{name}`): {}", scene.title, scene.explanation);
+        }
+        if technique == section::texture::TECHNIQUE {
+            let _ = writeln!(page, "\n{TEXTURE_REPORT}");
         }
     }
     Ok(Gallery { page, pictures })

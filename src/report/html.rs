@@ -6,7 +6,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::device::{self, DeviceSection};
 use super::difference::LEGEND;
-use super::section::{Section, page};
+use super::section::{Section, page, texture};
 use super::{ModelReport, ModelSummary, ReferenceReport, SceneReport};
 use crate::scene::Picture;
 use crate::scene::queue::RenderQueue;
@@ -29,7 +29,7 @@ pub fn page(
     let analyses = analyses.iter().map(|section| Ok((section, page::section(section)?)));
     let analyses = analyses.collect::<Result<Vec<_>, Box<dyn std::error::Error>>>()?;
     let groups = scenes.chunk_by(|a, b| a.technique == b.technique);
-    let sections = groups.map(group).collect::<Result<Vec<_>, _>>()?;
+    let sections = groups.map(|scenes| group(scenes, measured(scenes, &analyses))).collect::<Result<Vec<_>, _>>()?;
     let markup = html! {
         (DOCTYPE)
         html lang="en" {
@@ -100,8 +100,14 @@ fn legend() -> Markup {
     }
 }
 
+/// The section that measures what these scenes show, if the page has one.
+fn measured<'a>(scenes: &[SceneReport], analyses: &[(&'a Section, Markup)]) -> Option<&'a Section> {
+    let shown = scenes.first().is_some_and(|scene| scene.technique == texture::TECHNIQUE);
+    analyses.iter().map(|(section, _)| *section).find(|section| shown && section.id == texture::ID)
+}
+
 /// The scenes of one technique: side by side if there are several, then one by one.
-fn group(scenes: &[SceneReport]) -> Result<Markup, image::ImageError> {
+fn group(scenes: &[SceneReport], measured: Option<&Section>) -> Result<Markup, image::ImageError> {
     let sections = scenes.iter().map(section).collect::<Result<Vec<_>, _>>()?;
     let mut pictures = Vec::new();
     for scene in scenes {
@@ -113,6 +119,7 @@ fn group(scenes: &[SceneReport]) -> Result<Markup, image::ImageError> {
         @if scenes.len() > 1 { section {
             h2 { (technique.replace('-', " ")) ", side by side" }
             div.figures { @for (picture, title) in &pictures { figure.single { @if let Some(picture) = picture { (picture) } figcaption { (title) } } } }
+            @if let Some(section) = measured { p { "In numbers: " a href={"#" (section.id)} { (section.title) } } }
         } }
         @for section in &sections { (section) }
     })

@@ -57,6 +57,8 @@ scenes! {
     "several-targets",
     "target-srgb",
     "target-half",
+    "texture-addressing",
+    "texture-mips",
     "floor-mips",
     "reversed-depth",
 }

@@ -1,18 +1,17 @@
-//! Bundled scenes drawn by the device itself, shading included, against the model.
+//! Bundled and example scenes drawn by the device itself, shading included, against the model.
 
 use outmerge::crosscheck::drawn::{Agreement, Drawer};
 use outmerge::model::llvmpipe::Llvmpipe;
-use outmerge::scene::Scene;
 
 use crate::harness::llvmpipe;
+use crate::scenes;
 
 #[test]
-fn bundled_scenes_are_covered_alike_and_stored_alike_where_fragments_are() {
+fn scenes_are_covered_alike_and_stored_alike_where_fragments_are() {
     let Some(device) = llvmpipe() else { return };
     let mut drawer = Drawer::new(device);
     let (mut wrong, mut all) = (Vec::new(), Agreement::default());
-    for (name, scene) in Scene::bundled() {
-        let scene = scene.unwrap_or_else(|error| panic!("{error}"));
+    for (name, scene) in scenes::all() {
         let drawn = drawer.draw(&scene).unwrap_or_else(|error| panic!("{name}: {error}"));
         let agreement = Agreement::of(&scene, &drawn, &Llvmpipe::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
         println!("{name}: {agreement:?}");

@@ -1,4 +1,4 @@
-//! Every bundled scene, its fragments drawn by the device: the bytes must be those of the `llvmpipe` model.
+//! Every bundled and example scene, its fragments drawn by the device: the bytes must be those of the `llvmpipe` model.
 
 use outmerge::Framebuffer;
 use outmerge::crosscheck::{Batch, Replay};
@@ -37,13 +37,32 @@ fn difference(expected: &Framebuffer, got: &Framebuffer) -> Option<String> {
     (!found.is_empty()).then(|| found.join("; "))
 }
 
+/// Bundled scenes and, with the feature that reads their files, those of `examples/scenes`.
+pub fn all() -> Vec<(String, Scene)> {
+    let scene = |(name, scene): (&str, Result<Scene, _>)| match scene {
+        Ok(scene) => (name.to_owned(), scene),
+        Err(error) => panic!("{error}"),
+    };
+    let mut scenes: Vec<_> = Scene::bundled().map(scene).collect();
+    if cfg!(feature = "meshes") {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/scenes");
+        let entries = std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+        let mut files: Vec<_> = entries.map(|entry| entry.expect("a directory entry").path()).collect();
+        files.retain(|file| file.extension().is_some_and(|ending| ending == "toml"));
+        files.sort();
+        assert!(files.len() >= 3, "scenes with pictures, meshes and models of their own: {files:?}");
+        let load = |file: &std::path::PathBuf| Scene::load(file).unwrap_or_else(|error| panic!("{error}"));
+        scenes.extend(files.iter().map(|file| (file.display().to_string(), load(file))));
+    }
+    scenes
+}
+
 #[test]
-fn every_bundled_scene_is_bit_exact_on_lavapipe() {
+fn every_scene_is_bit_exact_on_lavapipe() {
     let Some(device) = llvmpipe() else { return };
     let mut replay = Replay::new(device);
     let mut wrong = Vec::new();
-    for (name, scene) in Scene::bundled() {
-        let scene = scene.unwrap_or_else(|error| panic!("{error}"));
+    for (name, scene) in all() {
         let expected = scene.render(&Llvmpipe::default()).unwrap_or_else(|error| panic!("{name}: {error}")).framebuffer;
         let batch = Batch::of_scene(&scene).unwrap_or_else(|error| panic!("{name}: {error}"));
         let got = replay.run(&batch).unwrap_or_else(|error| panic!("{name}: {error}"));

@@ -10,6 +10,12 @@ use crate::scene::Picture;
 use crate::scene::texture::Pattern;
 use crate::scene::texture::pattern::PatternImage;
 
+/// The section's anchor.
+pub const ID: &str = "texture";
+
+/// The technique whose scenes show what this section measures.
+pub const TECHNIQUE: &str = "premultiplied-precision";
+
 /// A row a storage, with the smallest PSNR over the models for each background.
 #[must_use]
 pub fn storages(report: &ImageReport) -> Table {
@@ -74,7 +80,7 @@ pub fn section(models: &[&dyn NumericModel]) -> Result<Section, Failure> {
     figures
         .extend(pairs.heat_map.map(|map| Figure::picture("The same for every color (across) and alpha (down)", map)));
     Ok(Section {
-        id: "texture",
+        id: ID,
         title: "What storing colors premultiplied costs",
         finding: format!("A soft-edged sprite: {}.", report.verdict),
         method: "A premultiplied 8-bit color keeps alpha + 1 levels and is missed by up to floor(127 / alpha + 1/2) codes \

@@ -11,7 +11,7 @@ use glam::{DAffine3, DMat4, DVec2, DVec3};
 use gltf::accessor::{DataType, Dimensions};
 use gltf::material::AlphaMode;
 use gltf::mesh::Mode;
-use gltf::texture::{MagFilter, WrappingMode};
+use gltf::texture::{MagFilter, MinFilter, WrappingMode};
 use wgpu_types::{AddressMode, FilterMode, MipmapFilterMode};
 
 use super::{ImportError, Model, read};
@@ -152,7 +152,13 @@ impl Reader<'_> {
         };
         let filter =
             if sampler.mag_filter() == Some(MagFilter::Nearest) { FilterMode::Nearest } else { FilterMode::Linear };
-        let mips = (filter == FilterMode::Linear).then_some(MipmapFilterMode::Linear);
+        let mips = match sampler.min_filter() {
+            Some(MinFilter::Nearest | MinFilter::Linear) => None,
+            Some(MinFilter::NearestMipmapNearest | MinFilter::LinearMipmapNearest) => Some(MipmapFilterMode::Nearest),
+            Some(MinFilter::NearestMipmapLinear | MinFilter::LinearMipmapLinear) => Some(MipmapFilterMode::Linear),
+            // The file leaves it to us.
+            None => (filter == FilterMode::Linear).then_some(MipmapFilterMode::Linear),
+        };
         let address = [address(sampler.wrap_s()), address(sampler.wrap_t())];
         Ok(Texture::new(image, Sampler { filter, address, mips }))
     }

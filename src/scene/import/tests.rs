@@ -73,6 +73,32 @@ fn gltf_alpha_modes_map_to_rendering_modes_and_cutoffs() {
 }
 
 #[test]
+fn gltf_samplers_map_to_filters_mips_and_addressing() {
+    use wgpu_types::AddressMode as A;
+    use wgpu_types::{FilterMode as F, MipmapFilterMode as M};
+    let png = crate::scene::Picture { width: 1, height: 1, rgba: vec![255; 4] }.to_png().expect("a small picture");
+    let png = base64::engine::general_purpose::STANDARD.encode(png);
+    for (sampler, filter, mips, address) in [
+        ("", F::Linear, Some(M::Linear), [A::Repeat; 2]),
+        (r#""magFilter":9728"#, F::Nearest, None, [A::Repeat; 2]),
+        (r#""magFilter":9728,"minFilter":9984"#, F::Nearest, Some(M::Nearest), [A::Repeat; 2]),
+        (r#""magFilter":9729,"minFilter":9729"#, F::Linear, None, [A::Repeat; 2]),
+        (r#""magFilter":9729,"minFilter":9985"#, F::Linear, Some(M::Nearest), [A::Repeat; 2]),
+        (r#""minFilter":9986,"wrapS":33071"#, F::Linear, Some(M::Linear), [A::ClampToEdge, A::Repeat]),
+        (r#""minFilter":9987,"wrapT":33648"#, F::Linear, Some(M::Linear), [A::Repeat, A::MirrorRepeat]),
+    ] {
+        let textures = format!(
+            r#""textures":[{{"source":0,"sampler":0}}],"samplers":[{{{sampler}}}],
+            "images":[{{"uri":"data:image/png;base64,{png}"}}],"buffers""#
+        );
+        let text = gltf_text("OPAQUE", "").replacen("\"buffers\"", &textures, 1);
+        let model = parse(&text).unwrap_or_else(|error| panic!("{sampler}: {error}"));
+        let read = model.textures[0].sampler();
+        assert_eq!((read.filter, read.mips, read.address), (filter, mips, address), "{sampler}");
+    }
+}
+
+#[test]
 fn gltf_nodes_place_their_meshes() {
     let model = parse(&gltf_text("OPAQUE", "")).unwrap_or_else(|error| panic!("{error}"));
     let [object] = model.objects.as_slice() else { panic!("one object") };

@@ -193,4 +193,47 @@ proptest! {
             prop_assert_eq!(full.color[3], lean.color[3]);
         }
     }
+
+    /// Fade leaves the lit color alone and lets the blender scale all of it; Transparent scales the diffuse part itself,
+    /// keeps the highlight, and gives alpha' = 1 - R + aR.
+    #[test]
+    fn alpha_scales_everything_in_fade_mode_and_only_diffuse_light_in_transparent_mode(
+        tint in prop::array::uniform3(unit()), alpha in unit(), metallic in unit(), smoothness in unit()
+    ) {
+        let shading = Shading::Lit { metallic, smoothness };
+        let at = |mode, alpha| {
+            let material = Material { tint: [tint[0], tint[1], tint[2], alpha], shading, ..Material::new("m", mode) };
+            shade(&material, [1.0; 4]).color
+        };
+        let fade = |alpha| at(RenderingMode::Fade, alpha);
+        prop_assert_eq!(&fade(alpha)[..3], &fade(1.0)[..3], "the shader's color does not depend on alpha");
+        prop_assert_eq!(fade(alpha)[3], alpha);
+        let (none, some, all) =
+            (at(RenderingMode::Transparent, 0.0), at(RenderingMode::Transparent, alpha), at(RenderingMode::Transparent, 1.0));
+        for i in 0..3 {
+            let expected = none[i] + alpha * (all[i] - none[i]);
+            let tolerance = 1e-5 * all[i].max(1.0);
+            prop_assert!((some[i] - expected).abs() <= tolerance, "highlight plus a x diffuse: {} for {}", some[i], expected);
+        }
+        let reflectivity = 0.96 * (1.0 - metallic);
+        prop_assert!((some[3] - (1.0 - reflectivity + alpha * reflectivity)).abs() <= 1e-6, "alpha' {}", some[3]);
+        prop_assert_eq!(all[3], 1.0);
+    }
+
+    /// The metallic workflow splits an albedo: diffuse falls to nothing, specular goes from 4 % to the albedo.
+    #[test]
+    fn diffuse_and_specular_from_metallic_share_the_albedo(albedo in prop::array::uniform3(unit()), metallic in unit()) {
+        let albedo = Vec3::from(albedo);
+        let split = light::diffuse_and_specular_from_metallic(albedo, metallic);
+        let left = light::one_minus_reflectivity(metallic);
+        prop_assert!((0.0..=0.96).contains(&left));
+        prop_assert_eq!(split.diffuse, albedo * left);
+        let dielectric = Vec3::splat(light::DIELECTRIC_SPECULAR);
+        let (low, high) = (albedo.min(dielectric) - 1e-6, albedo.max(dielectric) + 1e-6);
+        prop_assert!(split.specular.cmpge(low).all() && split.specular.cmple(high).all(), "{:?}", split);
+        let ends = [0.0, 1.0].map(|metallic| light::diffuse_and_specular_from_metallic(albedo, metallic));
+        prop_assert_eq!(ends[0].specular, dielectric);
+        prop_assert_eq!(ends[1].diffuse, Vec3::ZERO);
+        prop_assert!((ends[1].specular - albedo).abs().max_element() <= 1e-6);
+    }
 }

@@ -1,4 +1,4 @@
-//! The scene in `examples/scenes` and its picture.
+//! The scenes in `examples/scenes` and their picture.
 
 use std::path::PathBuf;
 
@@ -36,6 +36,29 @@ fn the_example_scene_finds_its_picture_and_shows_it() {
     let [red, green, blue, alpha] = texel(&rendered, 64, 40);
     assert!(green > red && green > blue && alpha == 255, "green in the middle: {red} {green} {blue}");
     assert_eq!(texel(&rendered, 8, 8), texel(&rendered, 0, 0), "a corner of the quad is cut out");
+}
+
+#[cfg(feature = "meshes")]
+#[test]
+fn alpha_modes_of_a_gltf_file_show_the_quad_cut_it_and_blend_it() {
+    let scene = Scene::load(&folder().join("gltf-alpha-modes.toml")).unwrap_or_else(|error| panic!("{error}"));
+    let draws = scene.draws();
+    let order: Vec<_> = draws.iter().map(|draw| (draw.object.as_str(), draw.key.queue.number())).collect();
+    let expected = [("leaves: opaque 0", 2000), ("tiles", 2000), ("leaves: mask 1", 2450), ("leaves: blend 2", 3000)];
+    assert_eq!(order, expected, "front to back, cut out, blended");
+    for (draw, cuts, blends) in [(0, false, false), (2, true, false), (3, false, true)] {
+        let (mut discarded, mut soft) = (0, 0);
+        scene.shade(&draws[draw], None, |fragments| {
+            for PixelFragment { fragment, .. } in fragments {
+                discarded += usize::from(fragment.discarded);
+                soft += usize::from(!fragment.discarded && fragment.outputs[0][3] < 1.0);
+            }
+        });
+        let name = expected[draw].0;
+        assert_eq!((discarded > 500, soft > 500), (cuts, blends), "{name}: {discarded} discarded, {soft} soft");
+        let blend = draws[draw].state.targets[0].as_ref().and_then(|target| target.blend);
+        assert_eq!(blend.is_some(), blends, "{name}: blending");
+    }
 }
 
 #[cfg(feature = "meshes")]

@@ -1,4 +1,5 @@
 mod example;
+mod law;
 mod property;
 mod technique;
 

@@ -10,7 +10,7 @@ use crate::scene::description::Order;
 use crate::scene::file::Syntax;
 
 /// The head of a small scene in this mode; materials m0, m1, ... take the tints.
-fn head(mode: &str, passes: &str, tints: &[[f32; 4]]) -> String {
+pub(super) fn head(mode: &str, passes: &str, tints: &[[f32; 4]]) -> String {
     let mut text =
         "version = 1\ntitle = \"t\"\n[target]\nwidth = 24\nheight = 24\nclear = [0.2, 0.3, 0.4, 1.0]\n".to_owned();
     for (i, tint) in tints.iter().enumerate() {
@@ -19,21 +19,28 @@ fn head(mode: &str, passes: &str, tints: &[[f32; 4]]) -> String {
     text
 }
 
-fn object(text: &mut String, mesh: &str, material: usize, position: [f64; 3], rotation: [f64; 3], scale: f64) {
+pub(super) fn object(
+    text: &mut String,
+    mesh: &str,
+    material: usize,
+    position: [f64; 3],
+    rotation: [f64; 3],
+    scale: f64,
+) {
     *text += &format!(
         "[[object]]\nname = \"o{material}\"\nmesh = \"{mesh}\"\nmaterial = \"m{material}\"\nposition = {position:?}\nrotation = {rotation:?}\nscale = [{scale:?}, {scale:?}, {scale:?}]\n"
     );
 }
 
-fn parse(text: &str) -> Scene {
+pub(super) fn parse(text: &str) -> Scene {
     Scene::parse(text, Syntax::Toml, Path::new("generated.toml")).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
-fn tint(alpha: impl Strategy<Value = f32>) -> impl Strategy<Value = [f32; 4]> {
+pub(super) fn tint(alpha: impl Strategy<Value = f32>) -> impl Strategy<Value = [f32; 4]> {
     (prop::array::uniform3(0.0_f32..1.0), alpha).prop_map(|([r, g, b], a)| [r, g, b, a])
 }
 
-fn place() -> impl Strategy<Value = ([f64; 3], [f64; 3], f64)> {
+pub(super) fn place() -> impl Strategy<Value = ([f64; 3], [f64; 3], f64)> {
     let position = prop::array::uniform3(-0.4_f64..0.4);
     (position, prop::array::uniform3(-80.0_f64..80.0), 0.5_f64..1.5)
 }
