@@ -64,12 +64,11 @@ fn light_passes_add_up_to_all_light_in_one_pass_in_every_mode() {
             RenderingMode::Fade => (alpha, 1.0 - alpha),
             RenderingMode::Transparent => (1.0, 1.0 - alpha),
         };
-        let got = float_texel(&rendered, x, y);
-        for i in 0..3 {
+        for (i, got) in float_texel(&rendered, x, y).into_iter().enumerate() {
             let light: f64 = passes.iter().map(|hit| f64::from(hit.fragment.outputs[0][i])).sum();
             let under = behind.map_or(0.0, |hit| f64::from(hit.fragment.outputs[0][i]));
             let expected = adds * light + keeps * under;
-            assert!((got[i] - expected).abs() < 1e-6, "{mode:?} ({x}, {y}) channel {i}: {} for {expected}", got[i]);
+            assert!((got - expected).abs() < 1e-6, "{mode:?} ({x}, {y}) channel {i}: {got} for {expected}");
         }
         *checked.entry(format!("{mode:?}")).or_default() += 1;
     }
