@@ -247,6 +247,8 @@ mod models {
             ("llvmpipe", _) if srgb => None,
             // It stores values below -1 as the spare code.
             ("llvmpipe", _) if kinds.contains(&ChannelKind::Snorm(8)) => None,
+            // Its 16-bit lerps of one channel round down, and keep neither 1 x nor 0 x.
+            ("llvmpipe", _) if kinds[0] == ChannelKind::Unorm(16) && kinds[1] == ChannelKind::Absent => None,
             // Its lerps d + (s - d) a do not keep 1 x and 0 x exact, which float targets show by an ulp and more.
             ("llvmpipe", _) if float => None,
             ("exact", Spec::Vulkan) => Some(Class::Exact),
@@ -269,12 +271,15 @@ mod models {
             Some(BlendState { color: component, alpha: component })
         };
         let near = both(BlendFactor::One, BlendFactor::One, BlendOperation::Subtract);
+        let fade16 = both(BlendFactor::Src, BlendFactor::OneMinusSrc, BlendOperation::Add);
         let lerp = both(BlendFactor::DstAlpha, BlendFactor::OneMinusDstAlpha, BlendOperation::ReverseSubtract);
         let cases = [
             // Vulkan: values below -1 are clamped to -1, code -127.
             ("llvmpipe", inputs("r8snorm", None, [-1.1, 0.0, 0.0, 0.0], [0; 4])),
             // Vulkan: the curve to about one part in 10^5.
             ("llvmpipe", inputs("rgba8unorm-srgb", near, [0.8, 0.0, 0.0, 0.0], [230, 0, 0, 0])),
+            // Vulkan: either neighbour of the real result, 6329.08.
+            ("llvmpipe", inputs("r16unorm", fade16, [0.310_766, 0.0, 0.0, 0.0], [0; 4])),
             // Vulkan: 0 x is 0 and 1 x is x; the missing alpha is 1, so the result is -S.
             ("llvmpipe", inputs("r32float", lerp, [1.0, 0.0, 0.0, 0.0], [1_063_281_889, 0, 0, 0])),
             // Vulkan: a finite number beyond the largest one is that, or Inf; never NaN.
