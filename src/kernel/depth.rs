@@ -40,12 +40,48 @@ struct Test<'a> {
 
 impl simd::Task for Test<'_> {
     #[inline(always)]
-    fn on_vectors<S: Simd>(self, _: S) {
-        self.plain();
+    fn on_vectors<S: Simd>(self, s: S) {
+        let ones = s.splat8(u8::MAX);
+        match self.function {
+            CompareFunction::Never => self.keep.fill(0),
+            CompareFunction::Less => self.vectors(
+                s,
+                #[inline(always)]
+                |z, d| s.less_mask32(z, d),
+            ),
+            CompareFunction::Equal => self.vectors(
+                s,
+                #[inline(always)]
+                |z, d| s.equal_mask32(z, d),
+            ),
+            CompareFunction::LessEqual => self.vectors(
+                s,
+                #[inline(always)]
+                |z, d| s.xor(s.less_mask32(d, z), ones),
+            ),
+            CompareFunction::Greater => self.vectors(
+                s,
+                #[inline(always)]
+                |z, d| s.less_mask32(d, z),
+            ),
+            CompareFunction::NotEqual => self.vectors(
+                s,
+                #[inline(always)]
+                |z, d| s.xor(s.equal_mask32(z, d), ones),
+            ),
+            CompareFunction::GreaterEqual => self.vectors(
+                s,
+                #[inline(always)]
+                |z, d| s.xor(s.less_mask32(z, d), ones),
+            ),
+            CompareFunction::Always => self.vectors(
+                s,
+                #[inline(always)]
+                |_, _| ones,
+            ),
+        }
     }
 
-    /// One loop a function, which the compiler turns into the vectors of the caller's instruction set.
-    #[inline(always)]
     fn plain(self) {
         match self.function {
             CompareFunction::Never => self.keep.fill(0),
@@ -62,18 +98,37 @@ impl simd::Task for Test<'_> {
 
 impl Test<'_> {
     #[inline(always)]
+    fn vectors<S: Simd>(self, s: S, passes: impl Fn(S::V, S::V) -> S::V) {
+        /// How far ahead rows are asked for, in elements.
+        const AHEAD: usize = 512;
+        let count = S::BYTES / 4;
+        let whole = self.codes.len() - self.codes.len() % count;
+        let (codes, rest_codes) = self.codes.split_at(whole);
+        let (stored, rest_stored) = self.stored.split_at_mut(whole);
+        let (keep, rest_keep) = self.keep.split_at_mut(whole);
+        let rows = codes.chunks_exact(count).zip(stored.chunks_exact_mut(count)).zip(keep.chunks_exact_mut(count));
+        for ((codes, stored), keep) in rows {
+            s.prefetch(codes.as_ptr().wrapping_add(AHEAD).cast());
+            s.prefetch(stored.as_ptr().wrapping_add(AHEAD).cast());
+            let (z, d) = (s.load32(codes), s.load32(stored));
+            let lives = s.and(s.load_mask(keep), passes(z, d));
+            s.store_mask(keep, lives);
+            if self.write {
+                s.store32(stored, s.select(lives, z, d));
+            }
+        }
+        if !rest_codes.is_empty() {
+            let rest = Test { codes: rest_codes, stored: rest_stored, keep: rest_keep, ..self };
+            simd::Task::plain(rest);
+        }
+    }
+
+    #[inline(always)]
     fn row(self, passes: impl Fn(u32, u32) -> bool) {
-        // Writing is a constant of each loop.
-        if self.write {
-            for ((z, d), keep) in self.codes.iter().zip(self.stored).zip(self.keep) {
-                let lives = *keep != 0 && passes(*z, *d);
-                *keep = if lives { u8::MAX } else { 0 };
-                *d = if lives { *z } else { *d };
-            }
-        } else {
-            for ((z, d), keep) in self.codes.iter().zip(self.stored).zip(self.keep) {
-                *keep = if *keep != 0 && passes(*z, *d) { u8::MAX } else { 0 };
-            }
+        for ((z, d), keep) in self.codes.iter().zip(self.stored).zip(self.keep) {
+            let lives = *keep != 0 && passes(*z, *d);
+            *keep = if lives { u8::MAX } else { 0 };
+            *d = if lives && self.write { *z } else { *d };
         }
     }
 }

@@ -244,19 +244,21 @@ impl<'a, S: Simd, const RULE: u8> Vectors<'a, S, RULE> {
         let g = self.pick(self.dst_by_rest, rest);
         let p = s.multiply_f32(src, f);
         let sum = if RULE == EXACT { s.multiply_add_f32(dst, g, p) } else { s.add_f32(p, s.multiply_f32(dst, g)) };
-        let magnitude = s.and(s.bits_f32(sum), s.splat_u32(0x7fff_ffff));
-        let by_reference = s.greater32(magnitude, s.splat_u32(0x7f7f_ffff));
-        if RULE == EXACT {
-            let by_reference = by_reference | s.greater32(s.splat_u32(0), s.bits_f32(alpha));
-            let middle = s.equal32(s.and(magnitude, s.splat_u32(0x1fff)), s.splat_u32(0x1000));
-            let small = s.greater32(s.splat_u32(0x3880_0000), magnitude);
-            if middle | small | by_reference != 0 {
-                // Zero is small and in no doubt.
-                let small = small & s.greater32(magnitude, s.splat_u32(0));
-                return self.doubtful(middle | small, by_reference, src_bytes, dst_bytes, sum);
-            }
-        } else if by_reference != 0 {
-            return self.doubtful(0, by_reference, src_bytes, dst_bytes, sum);
+        // One test for all that is rare: the sign is alpha's, so that what is not from 2^-14 to the largest binary32, or
+        // has a negative alpha, is out of one range.
+        let bits = if RULE == EXACT {
+            s.select(s.splat_u32(SIGN), s.bits_f32(alpha), s.bits_f32(sum))
+        } else {
+            s.and(s.bits_f32(sum), s.splat_u32(!SIGN))
+        };
+        let (low, above) = if RULE == EXACT { (SMALL, INFINITE - SMALL) } else { (0, INFINITE) };
+        let out = s.greater32(
+            s.add32(bits, s.splat_u32(SIGN.wrapping_sub(low))),
+            s.splat_u32(SIGN.wrapping_add(above).wrapping_sub(1)),
+        );
+        let middle = if RULE == EXACT { s.equal32(s.and(bits, s.splat_u32(0x1fff)), s.splat_u32(0x1000)) } else { 0 };
+        if out | middle != 0 {
+            return self.doubtful(middle, alpha, src_bytes, dst_bytes, sum);
         }
         self.store(dst_bytes, sum);
     }
@@ -272,16 +274,28 @@ impl<'a, S: Simd, const RULE: u8> Vectors<'a, S, RULE> {
         if RULE == LLVMPIPE { self.s.store_f16_truncated(bytes, sum) } else { self.s.store_f16(bytes, sum) }
     }
 
-    /// A vector with sums between halves, or not finite ones.
+    /// A vector with sums between halves, subnormal halves, zeros, a negative alpha, or what is not finite.
     #[inline(always)]
-    fn doubtful(&self, middle: u32, by_reference: u32, src: &[u8], dst: &mut [u8], sum: S::F) {
+    fn doubtful(&self, middle: u32, alpha: S::F, src: &[u8], dst: &mut [u8], sum: S::F) {
         let s = self.s;
+        let magnitude = s.and(s.bits_f32(sum), s.splat_u32(!SIGN));
+        let mut by_reference = s.greater32(magnitude, s.splat_u32(INFINITE - 1));
+        let mut mend = 0;
+        if RULE == EXACT {
+            by_reference |= s.greater32(s.splat_u32(0), s.bits_f32(alpha));
+            // Zero is small and in no doubt.
+            let small = s.greater32(s.splat_u32(SMALL), magnitude) & s.greater32(magnitude, s.splat_u32(0));
+            mend = middle | small;
+        }
+        if mend | by_reference == 0 {
+            return self.store(dst, sum);
+        }
         let mut before = [0; 32];
         before[..dst.len()].copy_from_slice(dst);
         let mut sums = [0; 64];
         s.store(&mut sums, s.bits_f32(sum));
-        if middle != 0 {
-            self.kernel.mend(middle, src, &before, &mut sums);
+        if mend != 0 {
+            self.kernel.mend(mend, src, &before, &mut sums);
         }
         self.store(dst, s.as_f32(s.load(&sums)));
         for texel in 0..dst.len() / TEXEL {
@@ -292,3 +306,8 @@ impl<'a, S: Simd, const RULE: u8> Vectors<'a, S, RULE> {
         }
     }
 }
+
+/// Bits of binary32: the sign, 2^-14 (the least normal half), infinity.
+const SIGN: u32 = 1 << 31;
+const SMALL: u32 = 0x3880_0000;
+const INFINITE: u32 = 0x7f80_0000;

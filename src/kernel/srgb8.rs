@@ -34,7 +34,9 @@ struct Tables {
     /// Entries by the top 16 bits of a number, modulo 2048.
     encode: [u32; 2048],
     /// llvmpipe's linear values.
-    llvmpipe: [f32; 256],
+    llvmpipe: [u32; 256],
+    /// Mantissas of its processor's reciprocal square roots, by the exponent's last bit and the mantissa's first ten.
+    rsqrt: [u32; 2048],
 }
 
 static TABLES: LazyLock<Tables> = LazyLock::new(|| {
@@ -55,7 +57,12 @@ static TABLES: LazyLock<Tables> = LazyLock::new(|| {
     Tables {
         decode: std::array::from_fn(|i| srgb::decode_f32(code(i)).to_bits()),
         encode,
-        llvmpipe: std::array::from_fn(|i| llvmpipe::srgb::decode(code(i))),
+        llvmpipe: std::array::from_fn(|i| llvmpipe::srgb::decode(code(i)).to_bits()),
+        rsqrt: std::array::from_fn(|i| {
+            // Odd exponents are those of [1, 2), even ones of [2, 4).
+            let exponent = if i >= 1024 { 127 } else { 128 };
+            llvmpipe::rsqrt(f32::from_bits(exponent << 23 | code(i % 1024) << 13)).to_bits() & 0x7f_ffff
+        }),
     }
 });
 
@@ -96,10 +103,23 @@ impl Srgb8 {
         simd::run(isa, Task { kernel: self, row });
     }
 
-    /// One texel by the reference.
+    /// One texel in binary64, and where that is in doubt as well, by the reference.
     #[cold]
     fn by_reference(&self, src: [u8; TEXEL], dst: [u8; TEXEL]) -> [u8; TEXEL] {
         let mut out = [0; TEXEL];
+        let alpha = f64::from(unit(src[3]));
+        let f = if self.over.src_by_alpha[0] { alpha } else { 1.0 };
+        let g = if self.over.dst_by_rest[0] { 1.0 - alpha } else { 1.0 };
+        let color = |i: usize| {
+            let sum = f64::from(unit(src[i])) * f + srgb::decode(u32::from(dst[i])).value * g;
+            // Four roundings of numbers up to 2 are below 2^-50; this is 2^-40.
+            let near = [sum - 1e-12, sum + 1e-12].map(srgb::encode);
+            near[0].filter(|_| near[0] == near[1])
+        };
+        if let (Some(r), Some(g), Some(b)) = (color(0), color(1), color(2)) {
+            let codes = [r, g, b, u32::from(self.alpha(src[3], dst[3]))];
+            return codes.map(|code| u8::try_from(code).expect("8-bit codes"));
+        }
         self.reference.merge_bytes(ordered(src, self.swap).map(unit), &dst, &mut out);
         out
     }
@@ -129,7 +149,7 @@ impl Srgb8 {
         let (f, g) = factors(0);
         let (f_alpha, g_alpha) = factors(1);
         if self.rule == FloatRule::Llvmpipe {
-            let color = |i: usize| unit(src[i]) * f + tables.llvmpipe[usize::from(dst[i])] * g;
+            let color = |i: usize| unit(src[i]) * f + f32::from_bits(tables.llvmpipe[usize::from(dst[i])]) * g;
             let result = [color(0), color(1), color(2), alpha * f_alpha + f32::from(dst[3]) * (1.0 / 255.0) * g_alpha];
             // Red and blue are encoded alike, so their order does not matter.
             let codes = Llvmpipe::default().store(self.format, result);
@@ -145,12 +165,18 @@ impl Srgb8 {
             }
             out[i] = carried.to_le_bytes()[2];
         }
-        let (s, d) = (u32::from(src[3]), u32::from(dst[3]));
+        out[3] = self.alpha(src[3], dst[3]);
+        out
+    }
+
+    /// The alpha channel, which is linear, to the nearest code.
+    #[inline(always)]
+    fn alpha(&self, src: u8, dst: u8) -> u8 {
+        let (s, d) = (u32::from(src), u32::from(dst));
         let f = if self.over.src_by_alpha[1] { s } else { 255 };
         let g = if self.over.dst_by_rest[1] { 255 - s } else { 255 };
         let sum = (s * f + d * g).min(255 * 255) + 128;
-        out[3] = (sum + (sum >> 8)).to_le_bytes()[1];
-        out
+        (sum + (sum >> 8)).to_le_bytes()[1]
     }
 }
 
@@ -169,10 +195,9 @@ impl simd::Task for Task<'_> {
     #[inline(always)]
     fn on_vectors<S: Simd>(self, simd: S) {
         match self.kernel.rule {
-            FloatRule::Exact => Vectors::<S, true>::new(simd, self.kernel).row(self.row),
-            FloatRule::Binary32 => Vectors::<S, false>::new(simd, self.kernel).row(self.row),
-            // The driver's encode is three steps of a processor's table: one texel at a time.
-            FloatRule::Llvmpipe => self.kernel.texels(self.row),
+            FloatRule::Exact => Vectors::<S, EXACT>::new(simd, self.kernel).row(self.row),
+            FloatRule::Binary32 => Vectors::<S, BINARY32>::new(simd, self.kernel).row(self.row),
+            FloatRule::Llvmpipe => Vectors::<S, LLVMPIPE>::new(simd, self.kernel).row(self.row),
         }
     }
 
@@ -181,11 +206,15 @@ impl simd::Task for Task<'_> {
     }
 }
 
+const EXACT: u8 = 0;
+const BINARY32: u8 = 1;
+const LLVMPIPE: u8 = 2;
+
 /// How far ahead rows are asked for, in bytes.
 const AHEAD: usize = 1024;
 
 /// A row in vectors of a texel a 32-bit element.
-struct Vectors<'a, S: Simd, const EXACT: bool> {
+struct Vectors<'a, S: Simd, const RULE: u8> {
     s: S,
     kernel: &'a Srgb8,
     tables: &'static Tables,
@@ -204,7 +233,7 @@ struct Channel<V> {
     doubt: u32,
 }
 
-impl<'a, S: Simd, const EXACT: bool> Vectors<'a, S, EXACT> {
+impl<'a, S: Simd, const RULE: u8> Vectors<'a, S, RULE> {
     #[inline(always)]
     fn new(s: S, kernel: &'a Srgb8) -> Self {
         Self {
@@ -248,7 +277,7 @@ impl<'a, S: Simd, const EXACT: bool> Vectors<'a, S, EXACT> {
     }
 
     /// The texels in doubt by the reference.
-    #[inline(never)]
+    #[inline(always)]
     fn mended(&self, doubt: u32, src: &[u8], dst: &[u8], merged: S::V) -> S::V {
         let mut bytes = [0; 64];
         self.s.store(&mut bytes, merged);
@@ -277,8 +306,16 @@ impl<'a, S: Simd, const EXACT: bool> Vectors<'a, S, EXACT> {
         let f = if over.src_by_alpha[1] { alpha_code } else { self.codes };
         let g = if over.dst_by_rest[1] { s.subtract_f32(self.codes, alpha_code) } else { self.codes };
         let before = s.to_f32(s.shift_right32::<24>(dst));
-        let sum = s.multiply_add_f32(before, g, s.multiply_f32(alpha_code, f));
-        let sum = s.round_f32(s.min_f32(s.multiply_f32(sum, self.per_code), self.codes));
+        let sum = if RULE == LLVMPIPE {
+            let f = if over.src_by_alpha[1] { alpha } else { self.one };
+            let g = if over.dst_by_rest[1] { s.subtract_f32(self.one, alpha) } else { self.one };
+            let term = s.multiply_f32(s.multiply_f32(before, self.per_code), g);
+            s.multiply_f32(s.min_f32(s.add_f32(s.multiply_f32(alpha, f), term), self.one), self.codes)
+        } else {
+            let sum = s.multiply_add_f32(before, g, s.multiply_f32(alpha_code, f));
+            s.min_f32(s.multiply_f32(sum, self.per_code), self.codes)
+        };
+        let sum = s.round_f32(sum);
         let low = s.or(s.shift_right32::<16>(red.carried), s.shift_left32::<8>(s.shift_right32::<16>(green.carried)));
         let high = s.or(s.shift_left32::<16>(s.shift_right32::<16>(blue.carried)), s.shift_left32::<24>(sum));
         (s.or(low, high), red.doubt | green.doubt | blue.doubt)
@@ -289,16 +326,21 @@ impl<'a, S: Simd, const EXACT: bool> Vectors<'a, S, EXACT> {
     fn channel<const BIT: u32>(&self, src: S::V, dst: S::V, f: S::F, g: S::F) -> Channel<S::V> {
         let s = self.s;
         let code = s.to_f32(s.and(s.shift_right32::<BIT>(src), self.low_byte));
-        let before = s.as_f32(s.gather32(&self.tables.decode, s.shift_right32::<BIT>(dst)));
-        let sum = if EXACT {
+        let decode = if RULE == LLVMPIPE { &self.tables.llvmpipe } else { &self.tables.decode };
+        let before = s.as_f32(s.gather32(decode, s.shift_right32::<BIT>(dst)));
+        let sum = if RULE == EXACT {
             s.multiply_add_f32(before, g, s.multiply_f32(code, s.multiply_f32(f, self.per_code)))
         } else {
             s.add_f32(s.multiply_f32(self.unit(code), f), s.multiply_f32(before, g))
         };
+        if RULE == LLVMPIPE {
+            let code = self.driver_code(s.min_f32(sum, self.one));
+            return Channel { carried: s.shift_left32::<16>(code), doubt: 0 };
+        }
         let bits = s.bits_f32(s.min_f32(s.max_f32(sum, self.least), self.most));
         let entry = s.gather32(&self.tables.encode, s.shift_right32::<16>(bits));
         let carried = s.add32(entry, s.and(bits, self.low_half));
-        let doubt = if EXACT {
+        let doubt = if RULE == EXACT {
             // The low half within the margin of zero.
             let shifted = s.add32(carried, s.splat_u32(MARGIN));
             s.equal32(s.and(shifted, s.splat_u32(0x1_0000 - 2 * MARGIN)), s.splat_u32(0))
@@ -306,6 +348,33 @@ impl<'a, S: Simd, const EXACT: bool> Vectors<'a, S, EXACT> {
             0
         };
         Channel { carried, doubt }
+    }
+
+    /// llvmpipe's code of numbers in [0, 1]; see [`llvmpipe::srgb`].
+    #[inline(always)]
+    fn driver_code(&self, x: S::F) -> S::V {
+        let s = self.s;
+        let line = s.multiply_f32(x, s.splat_f32(12.92 * 255.0));
+        let root = s.multiply_f32(x, self.rsqrt(x));
+        let fourth = self.rsqrt(self.rsqrt(s.multiply_f32(root, x)));
+        let [of_fourth, of_root, constant] = llvmpipe::srgb::ENCODE.map(|weight| s.splat_f32(weight * 255.0));
+        let sum = s.multiply_add_f32(of_root, root, constant);
+        let curve = s.add_f32(s.multiply_f32(of_fourth, fourth), sum);
+        // Bits of positive numbers compare as they do.
+        let is_line = s.less_mask32(s.bits_f32(x), s.splat_u32(0.003_130_8_f32.to_bits() + 1));
+        let scaled = s.as_f32(s.select(is_line, s.bits_f32(line), s.bits_f32(curve)));
+        s.round_f32(s.min_f32(scaled, self.codes))
+    }
+
+    /// The processor's estimate for positive normal numbers; see [`llvmpipe::rsqrt`].
+    #[inline(always)]
+    fn rsqrt(&self, x: S::F) -> S::F {
+        let s = self.s;
+        let bits = s.bits_f32(x);
+        let mantissa = s.gather32(&self.tables.rsqrt, s.shift_right32::<13>(bits));
+        // With exponent e, x is m 4^h for h = (e + 1) / 2 - 64, rounded down, and the result's exponent is 126 - h.
+        let half = s.shift_left32::<23>(s.shift_right32::<24>(s.add32(bits, s.splat_u32(1 << 23))));
+        s.as_f32(s.or(s.subtract32(s.splat_u32(190 << 23), half), mantissa))
     }
 
     /// code / 255 correctly rounded: the product's remainder corrects it. A test tries all codes.

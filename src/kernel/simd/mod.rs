@@ -100,6 +100,15 @@ pub(super) trait Simd: Copy {
     fn lanes(self, bytes: [u8; 16]) -> Self::V;
     /// One byte a texel of a slice, as many as the vector has 32-bit elements, each four times.
     fn spread(self, texels: &[u8]) -> Self::V;
+    /// 32-bit elements.
+    fn load32(self, elements: &[u32]) -> Self::V;
+    fn store32(self, elements: &mut [u32], v: Self::V);
+    /// One byte an element, all ones or none, widened; and back.
+    fn load_mask(self, bytes: &[u8]) -> Self::V;
+    fn store_mask(self, bytes: &mut [u8], v: Self::V);
+    /// All ones where `a` is less, unsigned; where the elements are equal.
+    fn less_mask32(self, a: Self::V, b: Self::V) -> Self::V;
+    fn equal_mask32(self, a: Self::V, b: Self::V) -> Self::V;
     /// Asks for the cache line at an address, which may be any.
     fn prefetch(self, address: *const u8);
 
@@ -130,6 +139,7 @@ pub(super) trait Simd: Copy {
     fn multiply_add8(self, unsigned: Self::V, signed: Self::V) -> Self::V;
 
     fn add32(self, a: Self::V, b: Self::V) -> Self::V;
+    fn subtract32(self, a: Self::V, b: Self::V) -> Self::V;
     fn shift_left32<const BITS: u32>(self, a: Self::V) -> Self::V;
     fn shift_right32<const BITS: u32>(self, a: Self::V) -> Self::V;
     /// Which elements are equal: a bit each.

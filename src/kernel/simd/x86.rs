@@ -80,6 +80,50 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
+    fn load32(self, elements: &[u32]) -> __m256i {
+        let elements = &elements[..Self::BYTES / 4];
+        // SAFETY: `self` proves the instruction, and the slice has a vector's elements.
+        unsafe { _mm256_loadu_si256(elements.as_ptr().cast()) }
+    }
+
+    #[inline(always)]
+    fn store32(self, elements: &mut [u32], v: __m256i) {
+        let elements = &mut elements[..Self::BYTES / 4];
+        // SAFETY: `self` proves the instruction, and the slice has a vector's elements.
+        unsafe { _mm256_storeu_si256(elements.as_mut_ptr().cast(), v) }
+    }
+
+    #[inline(always)]
+    fn load_mask(self, bytes: &[u8]) -> __m256i {
+        let bytes = i64::from_le_bytes(bytes[..8].try_into().expect("eight bytes"));
+        // SAFETY: `self` proves the instructions.
+        unsafe { _mm256_cvtepi8_epi32(_mm_cvtsi64_si128(bytes)) }
+    }
+
+    #[inline(always)]
+    fn store_mask(self, bytes: &mut [u8], v: __m256i) {
+        // SAFETY: `self` proves the instructions.
+        let packed = unsafe {
+            let words = _mm_packs_epi32(_mm256_castsi256_si128(v), _mm256_extracti128_si256::<1>(v));
+            _mm_cvtsi128_si64(_mm_packs_epi16(words, words))
+        };
+        bytes[..8].copy_from_slice(&packed.to_le_bytes());
+    }
+
+    #[inline(always)]
+    fn less_mask32(self, a: __m256i, b: __m256i) -> __m256i {
+        let sign = self.splat_u32(1 << 31);
+        // SAFETY: `self` proves the instruction.
+        unsafe { _mm256_cmpgt_epi32(self.xor(b, sign), self.xor(a, sign)) }
+    }
+
+    #[inline(always)]
+    fn equal_mask32(self, a: __m256i, b: __m256i) -> __m256i {
+        // SAFETY: `self` proves the instruction.
+        unsafe { _mm256_cmpeq_epi32(a, b) }
+    }
+
+    #[inline(always)]
     fn prefetch(self, address: *const u8) {
         // SAFETY: a prefetch has no effect but on caches, whatever the address.
         unsafe { _mm_prefetch::<_MM_HINT_T0>(address.cast()) }
@@ -198,6 +242,7 @@ impl Simd for Avx2 {
         high_bytes16(a) = _mm256_srli_epi16::<8>;
         multiply_add8(unsigned, signed) = _mm256_maddubs_epi16;
         add32(a, b) = _mm256_add_epi32;
+        subtract32(a, b) = _mm256_sub_epi32;
     }
 }
 
@@ -230,6 +275,46 @@ impl Simd for Avx512 {
     fn spread(self, texels: &[u8]) -> __m512i {
         let texels: [u8; 16] = texels[..16].try_into().expect("sixteen bytes");
         self.shuffle8(self.lanes(texels), self.load(&FOURFOLD))
+    }
+
+    #[inline(always)]
+    fn load32(self, elements: &[u32]) -> __m512i {
+        let elements = &elements[..Self::BYTES / 4];
+        // SAFETY: `self` proves the instruction, and the slice has a vector's elements.
+        unsafe { _mm512_loadu_si512(elements.as_ptr().cast()) }
+    }
+
+    #[inline(always)]
+    fn store32(self, elements: &mut [u32], v: __m512i) {
+        let elements = &mut elements[..Self::BYTES / 4];
+        // SAFETY: `self` proves the instruction, and the slice has a vector's elements.
+        unsafe { _mm512_storeu_si512(elements.as_mut_ptr().cast(), v) }
+    }
+
+    #[inline(always)]
+    fn load_mask(self, bytes: &[u8]) -> __m512i {
+        let bytes = &bytes[..16];
+        // SAFETY: `self` proves the instructions, and the slice has 16 bytes.
+        unsafe { _mm512_cvtepi8_epi32(_mm_loadu_si128(bytes.as_ptr().cast())) }
+    }
+
+    #[inline(always)]
+    fn store_mask(self, bytes: &mut [u8], v: __m512i) {
+        let bytes = &mut bytes[..16];
+        // SAFETY: `self` proves the instructions, and the slice has 16 bytes.
+        unsafe { _mm_storeu_si128(bytes.as_mut_ptr().cast(), _mm512_cvtepi32_epi8(v)) }
+    }
+
+    #[inline(always)]
+    fn less_mask32(self, a: __m512i, b: __m512i) -> __m512i {
+        // SAFETY: `self` proves the instructions.
+        unsafe { _mm512_movm_epi32(_mm512_cmplt_epu32_mask(a, b)) }
+    }
+
+    #[inline(always)]
+    fn equal_mask32(self, a: __m512i, b: __m512i) -> __m512i {
+        // SAFETY: `self` proves the instructions.
+        unsafe { _mm512_movm_epi32(_mm512_cmpeq_epi32_mask(a, b)) }
     }
 
     #[inline(always)]
@@ -351,6 +436,7 @@ impl Simd for Avx512 {
         high_bytes16(a) = _mm512_srli_epi16::<8>;
         multiply_add8(unsigned, signed) = _mm512_maddubs_epi16;
         add32(a, b) = _mm512_add_epi32;
+        subtract32(a, b) = _mm512_sub_epi32;
     }
 }
 

@@ -2,6 +2,7 @@
 
 pub(crate) mod row;
 pub mod rule;
+mod shape;
 mod vector;
 
 use wgpu_types::{BlendComponent, BlendFactor as F, BlendOperation, ColorTargetState, ColorWrites};
@@ -12,7 +13,7 @@ use crate::format::{Rounding, unorm};
 use crate::model::llvmpipe::{VectorWidth, integer};
 use row::{Operand, Side};
 use rule::Rule;
-use vector::Shape;
+use shape::Shape;
 
 /// The kernel of one state.
 #[derive(Clone, Debug)]

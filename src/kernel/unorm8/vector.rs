@@ -14,83 +14,13 @@
 use wgpu_types::BlendOperation as Op;
 
 use super::row::{Operand, Side};
+use super::shape::Shape;
 use super::{Rule, Unorm8};
 use crate::kernel::simd::Simd;
 use crate::kernel::{Row, TEXEL};
 
 /// How far ahead rows are asked for, in bytes.
 const AHEAD: usize = 2048;
-
-/// The way a state takes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Shape {
-    /// Blending is off.
-    Replace,
-    /// The same minimum or maximum for color and alpha.
-    Least,
-    Most,
-    /// s + d g, for color and alpha.
-    SourceOne,
-    /// s f + d, for color and alpha.
-    DestinationOne,
-    /// `exact`: s f + d (1 - f), with the source's alpha set to 255 or not.
-    Lerp {
-        opaque: bool,
-    },
-    /// The same add or subtract for color and alpha, of two products whose factors need no more than shuffles.
-    Add,
-    Subtract,
-    ReverseSubtract,
-    /// Sums and differences, without second source, some of the factors saturated or none.
-    Mixed {
-        saturates: bool,
-    },
-    /// Everything else.
-    Any,
-}
-
-impl Shape {
-    pub(super) fn new(kernel: &Unorm8) -> Self {
-        let one = |side: &Side| side.operands == [Operand::Zero; 2] && side.invert == [u8::MAX; TEXEL];
-        let complement = |a: u8, b: u8| a != b;
-        let simple = |side: &Side| {
-            side.operands.iter().all(|o| !matches!(o, Operand::Saturate | Operand::Src1 | Operand::Src1Alpha))
-        };
-        let (src, dst) = (&kernel.src, &kernel.dst);
-        let opposite =
-            |i: usize| src.operands[i] == dst.operands[i] && complement(src.invert[3 * i], dst.invert[3 * i]);
-        let [operation, alpha] = kernel.operations;
-        if kernel.replace {
-            return Self::Replace;
-        }
-        if operation != alpha || !simple(src) || !simple(dst) {
-            let sum = kernel.operations.iter().all(|o| !matches!(o, Op::Min | Op::Max));
-            let saturates = [src, dst].into_iter().any(|side| side.operands.contains(&Operand::Saturate));
-            return if sum && !kernel.reads_second_source() { Self::Mixed { saturates } } else { Self::Any };
-        }
-        match operation {
-            Op::Min => Self::Least,
-            Op::Max => Self::Most,
-            Op::Subtract => Self::Subtract,
-            Op::ReverseSubtract => Self::ReverseSubtract,
-            Op::Add if one(src) => Self::SourceOne,
-            Op::Add if one(dst) => Self::DestinationOne,
-            Op::Add if kernel.rule == Rule::Exact && opposite(0) => {
-                let alpha_is_one = src.operands[1] == Operand::Zero && src.invert[3] == u8::MAX;
-                let alpha_keeps = dst.operands[1] == Operand::SrcAlpha && dst.invert[3] == u8::MAX;
-                let by_src_alpha = src.operands[0] == Operand::SrcAlpha && src.invert[0] == 0;
-                if opposite(1) {
-                    Self::Lerp { opaque: false }
-                } else if by_src_alpha && alpha_is_one && alpha_keeps {
-                    Self::Lerp { opaque: true }
-                } else {
-                    Self::Add
-                }
-            }
-            Op::Add => Self::Add,
-        }
-    }
-}
 
 /// A factor without second source or saturation.
 #[derive(Clone, Copy)]
@@ -309,41 +239,40 @@ pub(super) fn row<S: Simd>(s: S, kernel: &Unorm8, row: Row<'_>) {
 fn by_shape<S: Simd>(s: S, kernel: &Unorm8, row: Row<'_>, products: Products<S>) {
     let f = Factor::new(s, kernel, &kernel.src);
     let g = Factor::new(s, kernel, &kernel.dst);
-    let mask = s.splat32(kernel.write_mask);
-    let all = kernel.write_mask == [u8::MAX; TEXEL];
+    let mask = (s.splat32(kernel.write_mask), kernel.write_mask == [u8::MAX; TEXEL]);
     match kernel.shape {
         Shape::Replace => each(
             s,
             row,
-            (mask, all),
+            mask,
             #[inline(always)]
             |src, _, _| src,
         ),
         Shape::Least => each(
             s,
             row,
-            (mask, all),
+            mask,
             #[inline(always)]
             |src, _, dst| s.min8(src, dst),
         ),
         Shape::Most => each(
             s,
             row,
-            (mask, all),
+            mask,
             #[inline(always)]
             |src, _, dst| s.max8(src, dst),
         ),
         Shape::SourceOne => each(
             s,
             row,
-            (mask, all),
+            mask,
             #[inline(always)]
             |src, _, dst| s.add_saturating8(src, products.code(dst, g.of(s, src, dst))),
         ),
         Shape::DestinationOne => each(
             s,
             row,
-            (mask, all),
+            mask,
             #[inline(always)]
             |src, _, dst| s.add_saturating8(dst, products.code(src, f.of(s, src, dst))),
         ),
@@ -353,7 +282,7 @@ fn by_shape<S: Simd>(s: S, kernel: &Unorm8, row: Row<'_>, products: Products<S>)
             each(
                 s,
                 row,
-                (mask, all),
+                mask,
                 #[inline(always)]
                 |src, _, dst| {
                     let rest = g.of(s, src, dst);
@@ -370,39 +299,33 @@ fn by_shape<S: Simd>(s: S, kernel: &Unorm8, row: Row<'_>, products: Products<S>)
         Shape::Add => each(
             s,
             row,
-            (mask, all),
+            mask,
             #[inline(always)]
             |src, _, dst| products.add((src, f.of(s, src, dst)), (dst, g.of(s, src, dst))),
         ),
         Shape::Subtract => each(
             s,
             row,
-            (mask, all),
+            mask,
             #[inline(always)]
             |src, _, dst| products.subtract((src, f.of(s, src, dst)), (dst, g.of(s, src, dst))),
         ),
         Shape::ReverseSubtract => each(
             s,
             row,
-            (mask, all),
+            mask,
             #[inline(always)]
             |src, _, dst| products.subtract((dst, g.of(s, src, dst)), (src, f.of(s, src, dst))),
         ),
-        Shape::Mixed { saturates: false } => mixed::<S, false>(s, kernel, row, products, (mask, all)),
-        Shape::Mixed { saturates: true } => mixed::<S, true>(s, kernel, row, products, (mask, all)),
-        Shape::Any => any(s, kernel, row, products, (mask, all)),
+        Shape::Mixed { saturates: false } => mixed::<S, false>(s, kernel, row, products, mask),
+        Shape::Mixed { saturates: true } => mixed::<S, true>(s, kernel, row, products, mask),
+        Shape::Any => any(s, kernel, row, products, mask),
     }
 }
 
 /// Sums of any signs.
 #[inline(always)]
-fn mixed<S: Simd, const SATURATES: bool>(
-    s: S,
-    kernel: &Unorm8,
-    row: Row<'_>,
-    products: Products<S>,
-    mask: (S::V, bool),
-) {
+fn mixed<S: Simd, const SATURATES: bool>(s: S, kernel: &Unorm8, row: Row<'_>, products: Products<S>, mask: Mask<S>) {
     let f = AnyFactor::new(s, kernel, &kernel.src);
     let g = AnyFactor::new(s, kernel, &kernel.dst);
     let signs = Signs::new(s, kernel);
@@ -426,7 +349,7 @@ fn mixed<S: Simd, const SATURATES: bool>(
 
 /// All factors, and every operation.
 #[inline(always)]
-fn any<S: Simd>(s: S, kernel: &Unorm8, row: Row<'_>, products: Products<S>, mask: (S::V, bool)) {
+fn any<S: Simd>(s: S, kernel: &Unorm8, row: Row<'_>, products: Products<S>, mask: Mask<S>) {
     let f = AnyFactor::new(s, kernel, &kernel.src);
     let g = AnyFactor::new(s, kernel, &kernel.dst);
     let signs = Signs::new(s, kernel);
@@ -467,9 +390,12 @@ impl<V: Copy> Room<V> {
     }
 }
 
+/// The write mask, and whether it is all ones.
+type Mask<S> = (<S as Simd>::V, bool);
+
 /// Every vector of a row, then what is left in a vector of its own.
 #[inline(always)]
-fn each<S: Simd>(s: S, row: Row<'_>, (mask, all): (S::V, bool), merge: impl Fn(S::V, S::V, S::V) -> S::V) {
+fn each<S: Simd>(s: S, row: Row<'_>, (mask, all): Mask<S>, merge: impl Fn(S::V, S::V, S::V) -> S::V) {
     let Row { src, src1, keep, dst } = row;
     let zero = s.splat8(0);
     let whole = dst.len() - dst.len() % S::BYTES;

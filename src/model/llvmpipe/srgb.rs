@@ -74,7 +74,7 @@ const CUBIC: [f32; 4] = [0.0023, 0.0030 / 255.0, 0.6935 / (255.0 * 255.0), 0.301
 
 /// Weights of the fourth root, the square root and 1 in the encode: 0.675 * 1.0622, 0.325 * 1.0622 and -0.062, each rounded
 /// to binary32 before it is scaled by 255.
-const ENCODE: [f32; 3] = [0.716_985, 0.345_215, -0.062];
+pub(crate) const ENCODE: [f32; 3] = [0.716_985, 0.345_215, -0.062];
 
 /// Denormals are flushed.
 const OPS: Ops = Ops { flush: true };
