@@ -8,7 +8,7 @@ use serde::Serialize;
 use crate::{
     crosscheck::Device,
     crosscheck::drawn::{Agreement, Drawer, Drawn},
-    model::{NumericModel, exact::Exact, llvmpipe::Llvmpipe},
+    model::{NumericModel, exact::Exact, llvmpipe::Llvmpipe, swiftshader::SwiftShader},
     report::difference::{Difference, Differences},
     scene::{Picture, PictureAlpha, Scene},
 };
@@ -58,7 +58,7 @@ impl std::fmt::Display for DeviceSection {
 pub struct DeviceReport {
     /// The device and its driver.
     pub adapter: String,
-    /// The model it is compared with: `llvmpipe` for llvmpipe, else `exact`.
+    /// The model it is compared with: that of its driver, or `exact` where there is none.
     pub model: String,
     /// All scenes together.
     pub all: Agreement,
@@ -100,9 +100,7 @@ pub struct DeviceOutcome {
 #[cfg(feature = "gpu")]
 #[must_use]
 pub fn draw(device: &Device, scenes: &[(String, Scene)], done: &(dyn Fn() + Sync)) -> DeviceReport {
-    let llvmpipe = device.report().name.contains("llvmpipe");
-    let model: Box<dyn NumericModel> =
-        if llvmpipe { Box::new(Llvmpipe::default()) } else { Box::new(Exact::default()) };
+    let model = modelled(&device.report().name);
     let mut drawer = Drawer::new(device);
     let drawn: Vec<_> = scenes.iter().map(|(_, scene)| drawer.draw(scene).map_err(|error| error.to_string())).collect();
     let one = |((name, scene), drawn): (&(String, Scene), Result<Drawn, String>)| {
@@ -114,6 +112,16 @@ pub fn draw(device: &Device, scenes: &[(String, Scene)], done: &(dyn Fn() + Sync
     let mut all = Agreement::default();
     scenes.iter().filter_map(|scene| scene.outcome.as_ref().ok()).for_each(|outcome| all.absorb(&outcome.agreement));
     DeviceReport { adapter: device.report().to_string(), model: model.name(), all, scenes }
+}
+
+/// The model of a device's driver; `exact` for drivers without one.
+#[cfg(feature = "gpu")]
+fn modelled(device: &str) -> Box<dyn NumericModel> {
+    match device {
+        name if name.contains("llvmpipe") => Box::new(Llvmpipe::default()),
+        name if name.contains("SwiftShader") => Box::new(SwiftShader),
+        _ => Box::new(Exact::default()),
+    }
 }
 
 #[cfg(feature = "gpu")]

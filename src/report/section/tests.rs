@@ -2,6 +2,8 @@
 
 use super::*;
 use crate::model::{binary32::Binary32, exact::Exact};
+use crate::report::device::DeviceSection;
+use crate::report::{SceneReport, html};
 
 fn check(section: &Section) {
     let id = section.id;
@@ -27,6 +29,38 @@ fn cheap_sections_have_finding_picture_table_and_command() {
     for section in [bound::section(), fixpoint::section(&models), texture::section(&models), plan::section()] {
         check(&section.expect("an analysis of fixed questions"));
     }
+}
+
+#[test]
+fn scenes_of_lost_precision_link_to_the_texture_section() {
+    let scene = |name: &str, technique: &str| SceneReport {
+        name: name.to_owned(),
+        title: name.to_owned(),
+        explanation: String::new(),
+        technique: technique.to_owned(),
+        format: "rgba8unorm".to_owned(),
+        draws: Vec::new(),
+        models: Vec::new(),
+        reference: None,
+    };
+    let section = Section {
+        id: texture::ID,
+        title: "What premultiplied storage costs",
+        finding: String::new(),
+        method: String::new(),
+        figures: Vec::new(),
+        tables: Vec::new(),
+        command: String::new(),
+    };
+    let device = DeviceSection::NotRun { reason: "not asked for".to_owned() };
+    let links = |technique: &str, analyses: &[Section]| {
+        let scenes = [scene("one", technique), scene("two", technique)];
+        let page = html::page(&scenes, &[], &device, analyses, "a command").expect("a page");
+        page.contains("In numbers: <a href=\"#texture\">What premultiplied storage costs</a>")
+    };
+    assert!(links(texture::TECHNIQUE, std::slice::from_ref(&section)), "from the scenes to the numbers");
+    assert!(!links("fade", &[section]), "others have nothing to do with it");
+    assert!(!links(texture::TECHNIQUE, &[]), "no link to a section that is not there");
 }
 
 #[test]
