@@ -123,13 +123,15 @@ fn rows(results: &Results) -> impl Iterator<Item = (String, u64, Vec<String>)> {
 /// Units, and models in units, that were not compared, each with its reason.
 fn not_run(results: &Results) -> Vec<String> {
     let mut lines = Vec::new();
+    // Units of which a part was left out, by the reason.
+    let mut partly: BTreeMap<&String, Vec<&String>> = BTreeMap::new();
     let mut left_out: BTreeMap<(&String, &String), String> = BTreeMap::new();
     for unit in &results.units {
         if let Some(reason) = &unit.not_run {
             lines.push(format!("{}: {reason}", unit.unit));
         }
         if let Some(reason) = &unit.left_out {
-            lines.push(format!("in {}: {reason}", unit.unit));
+            partly.entry(reason).or_default().push(&unit.unit);
         }
         let models = unit.models.iter().map(|(name, outcome)| (name, &outcome.not_run));
         let specs = unit.specs.iter().map(|(name, outcome)| (name, &outcome.not_run));
@@ -142,6 +144,11 @@ fn not_run(results: &Results) -> Vec<String> {
             }
         }
     }
+    lines.extend(partly.into_iter().map(|(reason, units)| match units.as_slice() {
+        [unit] => format!("in {unit}: {reason}"),
+        [first, rest @ ..] => format!("in {first} and {} more: {reason}", rest.len()),
+        [] => reason.clone(),
+    }));
     lines.extend(left_out.into_iter().map(|((model, reason), formats)| format!("{model} on {formats}: {reason}")));
     lines
 }
