@@ -39,6 +39,15 @@ struct Tables {
     rsqrt: [u32; 2048],
 }
 
+impl Tables {
+    /// The code of a number, in units of 2^-16.
+    #[inline(always)]
+    fn code(&self, x: f32) -> u32 {
+        let bits = x.clamp(f32::from_bits(LEAST), f32::from_bits(MOST)).to_bits();
+        self.encode[(bits >> 16) as usize % 2048] + (bits & 0xffff)
+    }
+}
+
 static TABLES: LazyLock<Tables> = LazyLock::new(|| {
     let code = |i: usize| u32::try_from(i).expect("a code");
     let mut encode = [0; 2048];
@@ -106,15 +115,24 @@ impl Srgb8 {
     /// One texel in binary64, and where that is in doubt as well, by the reference.
     #[cold]
     fn by_reference(&self, src: [u8; TEXEL], dst: [u8; TEXEL]) -> [u8; TEXEL] {
+        let tables = &*TABLES;
         let mut out = [0; TEXEL];
         let alpha = f64::from(unit(src[3]));
         let f = if self.over.src_by_alpha[0] { alpha } else { 1.0 };
         let g = if self.over.dst_by_rest[0] { 1.0 - alpha } else { 1.0 };
         let color = |i: usize| {
             let sum = f64::from(unit(src[i])) * f + srgb::decode(u32::from(dst[i])).value * g;
-            // Four roundings of numbers up to 2 are below 2^-50; this is 2^-40.
-            let near = [sum - 1e-12, sum + 1e-12].map(srgb::encode);
-            near[0].filter(|_| near[0] == near[1])
+            // The code of its binary32 neighbour, or one beside that. Four roundings of numbers up to 2 are below 2^-50.
+            #[expect(clippy::cast_possible_truncation, reason = "only a first guess")]
+            let guess = tables.code(sum as f32) >> 16;
+            let below = |code: u32| srgb::threshold(code).value - sum;
+            if guess > 0 && below(guess - 1) > -1e-12 {
+                (below(guess - 1) > 1e-12).then_some(guess - 1)
+            } else if guess < 255 && below(guess) < 1e-12 {
+                (below(guess) < -1e-12).then_some(guess + 1)
+            } else {
+                Some(guess)
+            }
         };
         if let (Some(r), Some(g), Some(b)) = (color(0), color(1), color(2)) {
             let codes = [r, g, b, u32::from(self.alpha(src[3], dst[3]))];
@@ -158,8 +176,7 @@ impl Srgb8 {
         let mut out = [0; TEXEL];
         for i in 0..3 {
             let sum = unit(src[i]) * f + f32::from_bits(tables.decode[usize::from(dst[i])]) * g;
-            let bits = sum.clamp(f32::from_bits(LEAST), f32::from_bits(MOST)).to_bits();
-            let carried = tables.encode[(bits >> 16) as usize % 2048] + (bits & 0xffff);
+            let carried = tables.code(sum);
             if self.rule == FloatRule::Exact && (carried + MARGIN) & 0xffff < 2 * MARGIN {
                 return self.by_reference(src, dst);
             }

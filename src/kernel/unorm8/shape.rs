@@ -24,6 +24,8 @@ pub(super) enum Shape {
     },
     /// The same add or subtract for color and alpha, of two products whose factors need no more than shuffles.
     Add,
+    /// [`Self::Add`] whose factors do not read the destination.
+    AddBySource,
     Subtract,
     ReverseSubtract,
     /// Sums and differences, without second source, some of the factors saturated or none.
@@ -51,6 +53,9 @@ impl Shape {
             let saturates = [src, dst].into_iter().any(|side| side.operands.contains(&Operand::Saturate));
             return if sum && !kernel.reads_second_source() { Self::Mixed { saturates } } else { Self::Any };
         }
+        let by_source = [src, dst]
+            .into_iter()
+            .all(|side| side.operands.iter().all(|o| !matches!(o, Operand::Dst | Operand::DstAlpha)));
         match operation {
             Op::Min => Self::Least,
             Op::Max => Self::Most,
@@ -66,10 +71,13 @@ impl Shape {
                     Self::Lerp { opaque: false }
                 } else if by_src_alpha && alpha_is_one && alpha_keeps {
                     Self::Lerp { opaque: true }
+                } else if by_source {
+                    Self::AddBySource
                 } else {
                     Self::Add
                 }
             }
+            Op::Add if by_source => Self::AddBySource,
             Op::Add => Self::Add,
         }
     }

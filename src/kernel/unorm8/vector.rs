@@ -49,6 +49,12 @@ impl<V: Copy> Factor<V> {
         s.xor(self.plain(s, src, dst), self.invert)
     }
 
+    /// Where the destination is no operand.
+    #[inline(always)]
+    fn of_source<S: Simd<V = V>>(&self, s: S, src: V) -> V {
+        s.xor(s.or(s.shuffle8(src, self.from_src), self.constant), self.invert)
+    }
+
     #[inline(always)]
     fn plain<S: Simd<V = V>>(&self, s: S, src: V, dst: V) -> V {
         s.or(s.or(s.shuffle8(src, self.from_src), s.shuffle8(dst, self.from_dst)), self.constant)
@@ -110,12 +116,15 @@ struct Products<S: Simd> {
     half: S::V,
     ratio: S::V,
     zero: S::V,
+    even: S::V,
+    odd: S::V,
 }
 
 impl<S: Simd> Products<S> {
     #[inline(always)]
     fn new(s: S, rule: Rule) -> Self {
-        Self { s, rule, half: s.splat16(128), ratio: s.splat16(257), zero: s.splat8(0) }
+        let (even, odd) = (s.splat16(0x00ff), s.splat16(0xff00));
+        Self { s, rule, half: s.splat16(128), ratio: s.splat16(257), zero: s.splat8(0), even, odd }
     }
 
     /// x f in units of 1/255 code: the lower and the upper halves of all lanes.
@@ -141,13 +150,15 @@ impl<S: Simd> Products<S> {
     #[inline(always)]
     fn code(&self, x: S::V, factor: S::V) -> S::V {
         let s = self.s;
-        let [low, high] = self.raw(x, factor);
         if self.rule != Rule::Llvmpipe {
-            return self.divided([low, high]);
+            return self.divided(self.raw(x, factor));
         }
-        let low = s.high_bytes16(s.add16(s.add16(low, self.half), s.high_bytes16(low)));
-        let high = s.high_bytes16(s.add16(s.add16(high, self.half), s.high_bytes16(high)));
-        s.pack16(low, high)
+        // Even bytes are multiplied where they are; odd ones as multiples of 256, whose product's high half is theirs.
+        let even = s.multiply16(s.and(x, self.even), s.and(factor, self.even));
+        let odd = s.multiply_high16(s.and(x, self.odd), s.and(factor, self.odd));
+        let even = s.high_bytes16(s.add16(s.add16(even, self.half), s.high_bytes16(even)));
+        let odd = s.add16(s.add16(odd, self.half), s.high_bytes16(odd));
+        s.or(even, s.and(odd, self.odd))
     }
 
     /// s f + d g.
@@ -296,6 +307,13 @@ fn by_shape<S: Simd>(s: S, kernel: &Unorm8, row: Row<'_>, products: Products<S>)
                 },
             );
         }
+        Shape::AddBySource => each(
+            s,
+            row,
+            mask,
+            #[inline(always)]
+            |src, _, dst| products.add((src, f.of_source(s, src)), (dst, g.of_source(s, src))),
+        ),
         Shape::Add => each(
             s,
             row,
