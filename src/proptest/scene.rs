@@ -72,6 +72,7 @@ fn target() -> impl Strategy<Value = TargetSpec> {
             }],
             depth: depth.map(|format| DepthSpec { format, clear: 1.0, clear_stencil: 0 }),
             display: Display::Stored,
+            subpixel_bits: 8,
         },
     )
 }

@@ -69,6 +69,8 @@ pub struct TargetSpec {
     pub depth: Option<DepthSpec>,
     /// How stored values are shown.
     pub display: Display,
+    /// Bits of a pixel's grid that vertices are snapped to, 4 to 8: Vulkan's `subPixelPrecisionBits`.
+    pub subpixel_bits: u8,
 }
 
 /// One color target.

@@ -126,6 +126,7 @@ impl Scene {
             primitive: PrimitiveState { front_face, cull_mode: pass.state.cull, ..PrimitiveState::default() },
             bias: pass.state.depth_bias,
             depth: depth.and_then(|format| DepthFormat::new(format).ok()).and_then(DepthFormat::depth),
+            subpixel_bits: self.target.subpixel_bits,
         };
         Draw {
             object: item.name.clone(),

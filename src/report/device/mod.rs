@@ -100,7 +100,13 @@ pub struct DeviceOutcome {
 #[cfg(feature = "gpu")]
 #[must_use]
 pub fn draw(device: &Device, scenes: &[(String, Scene)], done: &(dyn Fn() + Sync)) -> DeviceReport {
-    let model = modelled(&device.report().name);
+    let (model, subpixel_bits) = modelled(&device.report().name);
+    let on_its_grid = |(name, scene): &(String, Scene)| {
+        let mut scene = scene.clone();
+        scene.target.subpixel_bits = subpixel_bits;
+        (name.clone(), scene)
+    };
+    let scenes: &Vec<_> = &scenes.iter().map(on_its_grid).collect();
     let mut drawer = Drawer::new(device);
     let drawn: Vec<_> = scenes.iter().map(|(_, scene)| drawer.draw(scene).map_err(|error| error.to_string())).collect();
     let one = |((name, scene), drawn): (&(String, Scene), Result<Drawn, String>)| {
@@ -114,13 +120,14 @@ pub fn draw(device: &Device, scenes: &[(String, Scene)], done: &(dyn Fn() + Sync
     DeviceReport { adapter: device.report().to_string(), model: model.name(), all, scenes }
 }
 
-/// The model of a device's driver; `exact` for drivers without one.
+/// The model of a device's driver, `exact` for drivers without one, and the driver's `subPixelPrecisionBits`, which wgpu
+/// does not tell.
 #[cfg(feature = "gpu")]
-fn modelled(device: &str) -> Box<dyn NumericModel> {
+fn modelled(device: &str) -> (Box<dyn NumericModel>, u8) {
     match device {
-        name if name.contains("llvmpipe") => Box::new(Llvmpipe::default()),
-        name if name.contains("SwiftShader") => Box::new(SwiftShader),
-        _ => Box::new(Exact::default()),
+        name if name.contains("llvmpipe") => (Box::new(Llvmpipe::default()), 8),
+        name if name.contains("SwiftShader") => (Box::new(SwiftShader), 4),
+        _ => (Box::new(Exact::default()), 8),
     }
 }
 

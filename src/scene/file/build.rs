@@ -16,6 +16,7 @@ use crate::scene::description::{ColorSpec, DepthSpec, Object, Output, Replacemen
 use crate::scene::import;
 use crate::scene::material::{Light, Lighting, Material};
 use crate::scene::mesh::Mesh;
+use crate::scene::raster::{MAX_SUBPIXEL_BITS, MIN_SUBPIXEL_BITS};
 use crate::state::MAX_COLOR_TARGETS;
 use crate::target::{Extent, MAX_DIMENSION};
 
@@ -115,7 +116,9 @@ fn target(file: &FileTarget, field: &FieldPath, limits: &Limits) -> Result<Targe
     // A depth code takes 4 bytes and a stencil value 1, whatever the format.
     let texel = texel + if depth.is_some() { 5 } else { 0 };
     within_limit(field, "target-bytes", (texel as u64) * (extent.sample_total() as u64), limits.target_bytes)?;
-    Ok(TargetSpec { extent, colors, depth, display: file.display })
+    let bits = file.subpixel_bits.unwrap_or(MAX_SUBPIXEL_BITS);
+    let subpixel_bits = within(&field.key("subpixel-bits"), bits, MIN_SUBPIXEL_BITS..=MAX_SUBPIXEL_BITS)?;
+    Ok(TargetSpec { extent, colors, depth, display: file.display, subpixel_bits })
 }
 
 fn depth_format(name: &str, field: &FieldPath) -> Result<TextureFormat, Fault> {

@@ -61,6 +61,7 @@ pub(super) struct FileTarget {
     pub(super) clear_stencil: Option<u8>,
     #[serde(default)]
     pub(super) display: Display,
+    pub(super) subpixel_bits: Option<u8>,
 }
 
 /// `[[target.color]]`.

@@ -4,7 +4,8 @@
 //! 1. A vertex with a non-finite position drops its triangle; so does one whose `1/w` or `z/w` overflows binary32.
 //! 2. [`clip`]: homogeneous clipping to `0 <= z <= w`, `w > 0` and a guard band far outside the target, in binary64.
 //!    A cut edge gives the same new vertex whichever triangle it is seen from.
-//! 3. [`setup`]: division and viewport in binary32, then positions are snapped to 1/256 of a pixel, ties to even.
+//! 3. [`setup`]: division and viewport in binary32, then positions are snapped to 1/256 of a pixel or to a coarser
+//!    grid ([`RasterState::subpixel_bits`]), ties to even.
 //!    Facing, culling and everything after use the snapped positions.
 //! 4. [`edge`]: exact integer edge functions and the top-left rule: a pixel centre on an edge shared by two triangles
 //!    belongs to exactly one of them.
@@ -29,8 +30,14 @@ use wgpu_types::{DepthBiasState, PrimitiveState};
 use crate::format::depth::DepthKind;
 use crate::target::Extent;
 
-/// Sub-pixel positions a pixel is divided into, per axis (8 bits, Vulkan's `subPixelPrecisionBits` of most devices).
+/// Sub-pixel positions a pixel is divided into, per axis: the unit of positions, whatever grid they are snapped to.
 pub const SUBPIXELS: i64 = 256;
+
+/// Vulkan's `subPixelPrecisionBits` of most devices, and the most this rasteriser knows.
+pub const MAX_SUBPIXEL_BITS: u8 = 8;
+
+/// The least `subPixelPrecisionBits` that Vulkan allows.
+pub const MIN_SUBPIXEL_BITS: u8 = 4;
 
 /// A vertex after the vertex shader.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,10 +61,13 @@ pub struct RasterState {
     pub bias: DepthBiasState,
     /// Kind of the depth attachment, which sets the unit of the bias; `None` without one.
     pub depth: Option<DepthKind>,
+    /// Positions are snapped to `2^-bits` of a pixel, [`MIN_SUBPIXEL_BITS`] to [`MAX_SUBPIXEL_BITS`]; values beyond count
+    /// as the nearer of the two.
+    pub subpixel_bits: u8,
 }
 
 impl RasterState {
-    /// Both faces, depth range `[0, 1]`, no bias, no depth attachment.
+    /// Both faces, depth range `[0, 1]`, no bias, no depth attachment, 8 sub-pixel bits.
     #[must_use]
     pub fn new(extent: Extent) -> Self {
         Self {
@@ -66,6 +76,7 @@ impl RasterState {
             primitive: PrimitiveState::default(),
             bias: DepthBiasState::default(),
             depth: None,
+            subpixel_bits: MAX_SUBPIXEL_BITS,
         }
     }
 }

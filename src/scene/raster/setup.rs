@@ -3,8 +3,8 @@
 use wgpu_types::{Face, FrontFace};
 
 use super::edge::{self, Edge, Span};
-use super::{RasterState, SUBPIXELS, Vertex, bias};
-use crate::scene::number::{f64_to_f32, f64_to_i64, u32_to_f32};
+use super::{MAX_SUBPIXEL_BITS, MIN_SUBPIXEL_BITS, RasterState, SUBPIXELS, Vertex, bias};
+use crate::scene::number::{f64_to_f32, f64_to_i64, i64_to_f64, u32_to_f32};
 
 /// A triangle on the pixel grid that faces the right way and has an area.
 #[derive(Clone, Debug)]
@@ -44,7 +44,7 @@ impl<const N: usize> Corner<N> {
         let window = [fused(x * inverse_w, half[0]), fused(-(y * inverse_w), half[1])];
         let [near, far] = state.depth_range;
         Self {
-            position: window.map(|p| f64_to_i64(f64::from((p - 0.5).clamp(-MAX_POSITION, MAX_POSITION)) * 256.0)),
+            position: window.map(|p| snap(p, state.subpixel_bits)),
             depth: z * inverse_w * (far - near) + near,
             inverse_w,
             varyings: vertex.varyings,
@@ -61,7 +61,15 @@ impl<const N: usize> Corner<N> {
 /// coordinates differ by more than binary32's 2^24; this keeps edge functions below 2^52 even then.
 const MAX_POSITION: f32 = 65536.0;
 
-const _: () = assert!(SUBPIXELS == 256, "snapping multiplies by 256");
+const _: () = assert!(SUBPIXELS == 1 << MAX_SUBPIXEL_BITS, "the finest grid is that of positions");
+
+/// A window position in sub-pixels from the centre of pixel 0, on a grid of `2^-bits` of a pixel.
+fn snap(position: f32, bits: u8) -> i64 {
+    let step = SUBPIXELS >> bits.clamp(MIN_SUBPIXEL_BITS, MAX_SUBPIXEL_BITS);
+    let pixels = f64::from((position - 0.5).clamp(-MAX_POSITION, MAX_POSITION));
+    // Both counts are powers of two, so only the conversion rounds.
+    f64_to_i64(pixels * i64_to_f64(SUBPIXELS / step)) * step
+}
 
 impl<const N: usize> Primitive<N> {
     /// Sets a clipped triangle up; `None` when it has no area, is culled or its division overflows.
