@@ -145,7 +145,9 @@ fn an_interrupted_run_goes_on_after_its_last_finished_unit() {
     assert!(second["units"][0]["seconds"].as_f64() >= Some(1234.0), "the finished unit was taken from the log");
     assert!(second["units"][1]["seconds"].as_f64() < Some(1234.0), "the other one was run");
 
-    sweep("third.json", "full").code(2).stderr(predicate::str::contains("another adapter, level, models or specifications"));
+    sweep("third.json", "full")
+        .code(2)
+        .stderr(predicate::str::contains("another adapter, level, models or specifications"));
 }
 
 #[test]
