@@ -67,7 +67,7 @@ struct Merge {
 /// Arguments of a sweep.
 #[derive(Debug, Args)]
 struct Sweep {
-    /// Part of the adapter's name or driver.
+    /// Part of the adapter's name or driver; `gl:NAME` looks among OpenGL's (feature `gl`), `gl:` takes the first.
     #[arg(long, short)]
     adapter: Option<String>,
     /// Model that must match, exit 1 if it does not; all models, to say which fits, unless given or --spec is. May be
@@ -129,6 +129,10 @@ fn adapters() -> Result<Outcome, Failure> {
     let reports = adapter::Adapters::enumerate().reports();
     let lines: String = reports.iter().map(|report| format!("{report}\n")).collect();
     output::print(if lines.is_empty() { "no Vulkan adapter found\n" } else { &lines })?;
+    #[cfg(feature = "gl")]
+    for report in adapter::Adapters::enumerate_gl().reports() {
+        output::print(&format!("{}{report}\n", adapter::GL_PREFIX))?;
+    }
     Ok(Outcome::Fine)
 }
 

@@ -10,7 +10,7 @@ use super::table::spec_rows;
 /// One table for the models and one for each specification, a row a format, a column a device.
 #[must_use]
 pub fn markdown(devices: &[Results]) -> String {
-    let names: Vec<String> = devices.iter().map(|results| short(&results.adapter)).collect();
+    let names = names(devices.iter().map(|results| results.adapter.as_str()));
     let mut text = String::from("# Devices side by side\n\n");
     for results in devices {
         let (units, skipped) = (results.units.len(), results.units.iter().filter(|u| u.not_run.is_some()).count());
@@ -19,12 +19,14 @@ pub fn markdown(devices: &[Results]) -> String {
     }
     text.push_str(
         "\nMade by `outmerge conform compare FILE...` from results of `outmerge conform --json-file FILE`.\n\n\
-         ## Models that match every state, bit for bit\n\n",
+         ## Models that match every state, bit for bit\n\n\
+         A model that cannot say anything of some states, such as those with a second source, is not listed.\n\n",
     );
     let models: Vec<_> = devices.iter().map(Results::by_format).collect();
     let cell = |rows: &BTreeMap<String, BTreeMap<String, Totals>>, format: &str| match rows.get(format) {
         Some(row) if row.values().any(|total| total.states > 0) => {
-            let matching = row.iter().filter(|(_, total)| total.states > 0 && total.states == total.states_matched);
+            let most = row.values().map(|total| total.states).max();
+            let matching = row.iter().filter(|(_, t)| Some(t.states) == most && t.states == t.states_matched);
             let names: Vec<String> = matching.map(|(name, _)| format!("`{name}`")).collect();
             if names.is_empty() { "none".to_owned() } else { names.join(", ") }
         }
@@ -50,9 +52,17 @@ pub fn markdown(devices: &[Results]) -> String {
     text
 }
 
-/// The adapter's name without what is in brackets.
-fn short(adapter: &str) -> String {
-    adapter.split(['(', '[']).next().unwrap_or(adapter).trim().to_owned()
+/// The adapters' names without what is in brackets; with the driver's where they are the same.
+fn names<'a>(adapters: impl Iterator<Item = &'a str> + Clone) -> Vec<String> {
+    let short = |adapter: &'a str| adapter.split(['(', '[']).next().unwrap_or(adapter).trim();
+    // "NAME [TYPE, DRIVER, VERSION]"
+    let driver =
+        |adapter: &'a str| adapter.split('[').next_back().and_then(|rest| rest.split(", ").nth(1)).unwrap_or("");
+    let name = |adapter: &'a str| match adapters.clone().filter(|other| short(other) == short(adapter)).count() {
+        1 => short(adapter).to_owned(),
+        _ => format!("{}, {}", short(adapter), driver(adapter)),
+    };
+    adapters.clone().map(name).collect()
 }
 
 fn table<'a>(text: &mut String, names: &[String], rows: impl Iterator<Item = (&'a String, Vec<String>)>) {
@@ -60,5 +70,20 @@ fn table<'a>(text: &mut String, names: &[String], rows: impl Iterator<Item = (&'
     let _ = writeln!(text, "|---|{}", "---|".repeat(names.len()));
     for (format, cells) in rows {
         let _ = writeln!(text, "| {format} | {} |", cells.join(" | "));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn devices_of_one_name_are_told_apart_by_their_driver() {
+        let adapters = [
+            "llvmpipe (LLVM 15) [Cpu, llvmpipe, Mesa]",
+            "llvmpipe (LLVM 15) [Cpu, gl, 4.5]",
+            "softpipe [Other, gl, 4.5]",
+        ];
+        assert_eq!(names(adapters.into_iter()), ["llvmpipe, llvmpipe", "llvmpipe, gl", "softpipe"]);
     }
 }

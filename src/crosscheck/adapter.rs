@@ -1,5 +1,8 @@
 //! Which adapters there are, choosing one by name, and the environment a comparison needs.
 //!
+//! Adapters are Vulkan's, or OpenGL's with [`GL_PREFIX`] before the name. OpenGL has no second source here and cannot read
+//! depth back; what it lacks is left out by name.
+//!
 //! Mesa's disk cache of compiled shaders ignores the vector width (`LP_NATIVE_VECTOR_WIDTH`), which changes results, so
 //! a comparison runs with the cache off. The driver reads the variable when it is loaded and this crate has no unsafe
 //! code to set it in its own process: [`reexec_without_shader_cache`] starts the program again instead.
@@ -19,20 +22,27 @@ pub const VECTOR_WIDTH_VARIABLE: &str = "LP_NATIVE_VECTOR_WIDTH";
 pub enum OpenError {
     /// No loader, no driver, or a driver without devices.
     #[error(
-        "no Vulkan adapter: {reason}; install a driver (software: Debian's mesa-vulkan-drivers) or point VK_DRIVER_FILES at its ICD file"
+        "no {api} adapter: {reason}; install a driver (software: Debian's mesa-vulkan-drivers) or point VK_DRIVER_FILES at its ICD file"
     )]
     NoAdapter {
+        /// `Vulkan` or `OpenGL`.
+        api: &'static str,
         /// What wgpu says of each backend.
         reason: String,
     },
     /// There are adapters, but none of this name.
-    #[error("no Vulkan adapter whose name or driver contains `{name}`; there are: {}", found.join("; "))]
+    #[error("no {api} adapter whose name or driver contains `{name}`; there are: {}", found.join("; "))]
     NoSuchAdapter {
+        /// `Vulkan` or `OpenGL`.
+        api: &'static str,
         /// The asked part of a name.
         name: String,
         /// The adapters there are.
         found: Vec<String>,
     },
+    /// OpenGL was asked for, and this build has none.
+    #[error("adapter `{0}`: this build drives Vulkan alone; build with the feature `gl`")]
+    NoOpenGl(String),
     /// The adapter lacks a required feature.
     #[error(
         "adapter `{adapter}` lacks the feature {features}; choose another adapter or leave out the states that need it"
@@ -61,7 +71,8 @@ pub enum OpenError {
 /// How to open a device.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OpenOptions {
-    /// Part of the adapter's name or driver, case ignored; `None` takes the first adapter.
+    /// Part of the adapter's name or driver, case ignored; `None` takes the first adapter. [`GL_PREFIX`] before it looks
+    /// among OpenGL's.
     pub adapter: Option<String>,
     /// Features to insist on; others that states may need are taken when present.
     pub required_features: Features,
@@ -91,7 +102,7 @@ impl Default for OpenOptions {
 pub struct AdapterReport {
     /// The device's name, e.g. `llvmpipe (LLVM 15.0.6, 256 bits)`.
     pub name: String,
-    /// The driver's name.
+    /// The driver's name; where it does not tell, the API's.
     pub driver: String,
     /// The driver's version.
     pub driver_info: String,
@@ -109,7 +120,7 @@ impl AdapterReport {
     pub fn of(info: &wgpu::AdapterInfo) -> Self {
         Self {
             name: info.name.clone(),
-            driver: info.driver.clone(),
+            driver: if info.driver.is_empty() { info.backend.to_string() } else { info.driver.clone() },
             driver_info: info.driver_info.clone(),
             device_type: format!("{:?}", info.device_type),
             native_vector_width: std::env::var(VECTOR_WIDTH_VARIABLE).ok(),
@@ -130,9 +141,13 @@ impl std::fmt::Display for AdapterReport {
     }
 }
 
-/// A Vulkan instance: the way to adapters.
+/// What a wanted adapter's name begins with when it is to be driven through OpenGL (feature `gl`).
+pub const GL_PREFIX: &str = "gl:";
+
+/// An instance of Vulkan or OpenGL: the way to adapters.
 #[derive(Debug)]
 pub struct Adapters {
+    api: &'static str,
     instance: wgpu::Instance,
     found: Vec<wgpu::Adapter>,
 }
@@ -141,14 +156,25 @@ impl Adapters {
     /// Asks the Vulkan loader for all adapters; there may be none.
     #[must_use]
     pub fn enumerate() -> Self {
+        Self::through("Vulkan", Backends::VULKAN)
+    }
+
+    /// Asks EGL for OpenGL's adapters; there may be none.
+    #[cfg(feature = "gl")]
+    #[must_use]
+    pub fn enumerate_gl() -> Self {
+        Self::through("OpenGL", Backends::GL)
+    }
+
+    fn through(api: &'static str, backends: Backends) -> Self {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
-            backends: Backends::VULKAN,
+            backends,
             // Validation layers change nothing in the bytes and cost time; software drivers may lack certification.
             flags: wgpu::InstanceFlags::ALLOW_UNDERLYING_NONCOMPLIANT_ADAPTER,
             ..wgpu::InstanceDescriptor::new_without_display_handle()
         });
-        let found = pollster::block_on(instance.enumerate_adapters(Backends::VULKAN));
-        Self { instance, found }
+        let found = pollster::block_on(instance.enumerate_adapters(backends));
+        Self { api, instance, found }
     }
 
     /// What there is, in the loader's order.
@@ -163,7 +189,7 @@ impl Adapters {
     /// [`OpenError::NoAdapter`] when there is none at all, [`OpenError::NoSuchAdapter`] when none has that name.
     pub fn choose(&self, name: Option<&str>) -> Result<&wgpu::Adapter, OpenError> {
         let Some(first) = self.found.first() else {
-            return Err(OpenError::NoAdapter { reason: self.why_none() });
+            return Err(OpenError::NoAdapter { api: self.api, reason: self.why_none() });
         };
         let Some(name) = name else { return Ok(first) };
         let wanted = name.to_lowercase();
@@ -172,6 +198,7 @@ impl Adapters {
             [info.name, info.driver, info.driver_info].iter().any(|text| text.to_lowercase().contains(&wanted))
         };
         self.found.iter().find(matches).ok_or_else(|| OpenError::NoSuchAdapter {
+            api: self.api,
             name: name.to_owned(),
             found: self.reports().iter().map(ToString::to_string).collect(),
         })

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use wgpu::{Features, PollType, SubmissionIndex};
 
-use super::adapter::{AdapterReport, Adapters, OpenError, OpenOptions, shader_cache_disabled};
+use super::adapter::{AdapterReport, Adapters, GL_PREFIX, OpenError, OpenOptions, shader_cache_disabled};
 use crate::format::ColorFormat;
 
 /// Features that some state or format needs, taken whenever the adapter has them.
@@ -89,8 +89,15 @@ impl Device {
     /// # Errors
     /// [`OpenError`], saying what is missing and what there is.
     pub fn open(options: &OpenOptions) -> Result<Self, OpenError> {
-        let adapters = Adapters::enumerate();
-        let adapter = adapters.choose(options.adapter.as_deref())?.clone();
+        let name = options.adapter.as_deref();
+        let (adapters, name) = match name.and_then(|name| name.strip_prefix(GL_PREFIX)) {
+            #[cfg(feature = "gl")]
+            Some(name) => (Adapters::enumerate_gl(), Some(name).filter(|name| !name.is_empty())),
+            #[cfg(not(feature = "gl"))]
+            Some(_) => return Err(OpenError::NoOpenGl(name.unwrap_or_default().to_owned())),
+            None => (Adapters::enumerate(), name),
+        };
+        let adapter = adapters.choose(name)?.clone();
         let report = AdapterReport::of(&adapter.get_info());
         if report.is_mesa() && !options.allow_shader_cache && !shader_cache_disabled() {
             return Err(OpenError::ShaderCache);

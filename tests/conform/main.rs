@@ -150,6 +150,44 @@ fn an_interrupted_run_goes_on_after_its_last_finished_unit() {
         .stderr(predicate::str::contains("another adapter, level, models or specifications"));
 }
 
+#[cfg(feature = "gl")]
+#[test]
+fn mesas_opengl_blends_as_its_vulkan_does() {
+    let run = |gallium: &str, name: &str| {
+        conform()
+            .env("EGL_PLATFORM", "surfaceless")
+            .env("LIBGL_ALWAYS_SOFTWARE", "1")
+            .env("GALLIUM_DRIVER", gallium)
+            .args(["--adapter", name, "--model", "llvmpipe", "--only", "blend/rgba8unorm/src-alpha/"])
+            .output()
+            .expect("runs")
+    };
+    let output = run("llvmpipe", "gl:llvmpipe");
+    let errors = String::from_utf8(output.stderr).expect("text");
+    if errors.contains("no OpenGL adapter") {
+        // EGL is no part of the Vulkan driver's package.
+        let _ = writeln!(std::io::stderr(), "mesas_opengl_blends_as_its_vulkan_does: skipped: no llvmpipe through EGL");
+        return;
+    }
+    let table = String::from_utf8(output.stdout).expect("text");
+    assert!(output.status.success() && table.contains("fits: 51 states"), "{table}{errors}");
+
+    let missing = run("llvmpipe", "gl:no such adapter");
+    assert_eq!(missing.status.code(), Some(2), "a name that OpenGL does not have");
+    let errors = String::from_utf8(missing.stderr).expect("text");
+    assert!(errors.contains("no OpenGL adapter whose name"), "{errors}");
+}
+
+#[cfg(not(feature = "gl"))]
+#[test]
+fn opengl_is_refused_by_a_build_without_it() {
+    conform()
+        .args(["--adapter", "gl:"])
+        .assert()
+        .code(2)
+        .stderr(predicate::str::contains("build with the feature `gl`"));
+}
+
 #[test]
 fn a_model_that_does_not_fit_fails_when_it_was_named() {
     if !has_llvmpipe("a_model_that_does_not_fit_fails_when_it_was_named") {
