@@ -75,7 +75,15 @@ pub trait NumericModel: Debug + Send + Sync {
     /// `inputs` must be [supported](Self::supports); for others the result is unspecified.
     fn merge_color(&self, inputs: &ColorInputs) -> Codes;
 
-    /// The same with every intermediate number, for people.
+    /// The codes that `LoadOp::Clear` stores for a color, RGBA, unclamped: its own conversion in some drivers. The
+    /// default rounds once, correctly, and so do models of drivers whose clears were not measured.
+    fn clear_color(&self, format: ColorFormat, color: [f32; 4]) -> Codes {
+        let zeros = [0.0; 4];
+        let inputs = ColorInputs { format, blend: None, constant: zeros, src: color, src1: zeros, dst: [0; 4] };
+        exact::Exact::default().merge_color(&inputs)
+    }
+
+    /// [`merge_color`](Self::merge_color) with every intermediate number, for people.
     fn explain_color(&self, inputs: &ColorInputs) -> Explanation;
 
     /// The depth code of a fragment's depth `z`, clamped to the viewport's `range` first.

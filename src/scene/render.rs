@@ -6,10 +6,9 @@ use super::description::Scene;
 use super::draw::Draw;
 use super::material::Work;
 use super::shade::PixelFragment;
-use crate::format::{Codes, ColorFormat};
 use crate::merger::{Merger, MergerError};
+use crate::model::NumericModel;
 use crate::model::exact::Exact;
-use crate::model::{ColorInputs, NumericModel};
 use crate::plan::Planned;
 use crate::state::MergerState;
 use crate::state::block::StateBlock;
@@ -123,7 +122,7 @@ impl Scene {
         let exact = Exact::default();
         for (target, spec) in framebuffer.colors.iter_mut().zip(&self.target.colors) {
             if let Some(target) = target {
-                target.fill(clear_codes(spec.format, spec.clear));
+                target.fill(exact.clear_color(spec.format, spec.clear));
             }
         }
         if let (Some(target), Some(spec)) = (&mut framebuffer.depth_stencil, self.target.depth) {
@@ -190,19 +189,6 @@ impl Scene {
         }
         Ok(rendered)
     }
-}
-
-/// The codes of a clear value, correctly rounded.
-fn clear_codes(format: ColorFormat, clear: [f32; 4]) -> Codes {
-    let zeros = [0.0; 4];
-    Exact::default().merge_color(&ColorInputs {
-        format,
-        blend: None,
-        constant: zeros,
-        src: clear,
-        src1: zeros,
-        dst: [0; 4],
-    })
 }
 
 impl Draw {

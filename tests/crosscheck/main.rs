@@ -4,6 +4,7 @@
 //! here; without it the tests say that they are skipped.
 #![cfg(feature = "gpu")]
 
+mod clear;
 mod depth;
 mod depth_stencil;
 #[cfg(feature = "scene")]

@@ -16,6 +16,7 @@
 //!
 //! Channels the format lacks are handled by rewriting the state (`state`) before any arithmetic.
 
+mod clear;
 mod depth;
 pub mod float;
 pub mod integer;
@@ -105,6 +106,11 @@ impl NumericModel for Llvmpipe {
 
     fn merge_color(&self, inputs: &ColorInputs) -> Codes {
         self.run(inputs).codes
+    }
+
+    fn clear_color(&self, format: ColorFormat, color: [f32; 4]) -> Codes {
+        let channels = format.channels();
+        std::array::from_fn(|i| clear::code(channels[i], color[i]))
     }
 
     fn explain_color(&self, inputs: &ColorInputs) -> Explanation {
