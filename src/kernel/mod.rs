@@ -123,4 +123,35 @@ impl Kernel {
             Path::Srgb8(kernel) => kernel.merge(isa, row),
         }
     }
+
+    /// Merges one color over every texel of `dst`: a span of a flat layer. The color is in the target's byte order.
+    ///
+    /// # Panics
+    /// When the kernel's texels have more than four bytes, `dst` does not hold whole ones, or the state reads a second
+    /// source.
+    pub fn merge_color(&self, color: [u8; TEXEL], dst: &mut [u8]) {
+        self.merge_color_on(Isa::best(), color, dst);
+    }
+
+    /// [`merge_color`](Self::merge_color) on a given instruction set.
+    ///
+    /// # Panics
+    /// As `merge_color`, and when the machine lacks the instruction set.
+    pub fn merge_color_on(&self, isa: Isa, color: [u8; TEXEL], dst: &mut [u8]) {
+        /// Texels of the row that the color is spread to where there is no shorter way.
+        const SPREAD: usize = 1024;
+        assert_eq!(self.texel(), TEXEL, "texels of four bytes");
+        assert_eq!(dst.len() % TEXEL, 0, "whole texels");
+        if let Path::Unorm8(kernel) = &self.0
+            && kernel.merge_flat(isa, color, dst)
+        {
+            return;
+        }
+        let mut spread = [0; SPREAD * TEXEL];
+        let needed = dst.len().min(spread.len());
+        spread[..needed].chunks_exact_mut(TEXEL).for_each(|texel| texel.copy_from_slice(&color));
+        for part in dst.chunks_mut(SPREAD * TEXEL) {
+            self.merge_row_on(isa, &spread[..part.len()], None, None, part);
+        }
+    }
 }

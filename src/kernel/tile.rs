@@ -57,21 +57,21 @@ fn check(layers: &[Layer<'_>], bytes: usize) {
     }
 }
 
-/// All layers on one tile that starts at byte `start`.
+/// All layers on one tile that starts at byte `start`. Layers of one color in a row are merged part by part, so that the
+/// part stays in the first-level cache.
 fn merge_tile(layers: &[Layer<'_>], start: usize, tile: &mut [u8]) {
-    /// Texels of the row that a single color is spread to.
-    const SPREAD: usize = 1024;
+    /// Texels of a part.
+    const PART: usize = 4096;
     let isa = Isa::best();
-    let mut spread = [0; SPREAD * TEXEL];
-    for layer in layers {
-        match layer.source {
-            Source::Texels(texels) => {
-                layer.kernel.merge_row_on(isa, &texels[start..start + tile.len()], None, None, tile);
-            }
-            Source::Color(color) => {
-                spread.chunks_exact_mut(TEXEL).for_each(|texel| texel.copy_from_slice(&color));
-                for part in tile.chunks_mut(SPREAD * TEXEL) {
-                    layer.kernel.merge_row_on(isa, &spread[..part.len()], None, None, part);
+    for run in layers.chunk_by(|a, b| matches!((a.source, b.source), (Source::Color(_), Source::Color(_)))) {
+        if let [Layer { kernel, source: Source::Texels(texels) }] = run {
+            kernel.merge_row_on(isa, &texels[start..start + tile.len()], None, None, tile);
+            continue;
+        }
+        for part in tile.chunks_mut(PART * TEXEL) {
+            for layer in run {
+                if let Source::Color(color) = layer.source {
+                    layer.kernel.merge_color_on(isa, color, part);
                 }
             }
         }

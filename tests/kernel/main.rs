@@ -5,6 +5,7 @@
 //! set of the machine; with write masks and discarded texels; for any tiling and number of threads.
 
 mod exhaustive;
+mod flat;
 mod halves;
 mod rows;
 mod srgb;

@@ -35,7 +35,7 @@ fn check(name: &str, target: &ColorTargetState, constant: [f32; 4], seed: u64) {
     }
 }
 
-fn components() -> Vec<BlendComponent> {
+pub fn components() -> Vec<BlendComponent> {
     let pairs = || blend_factors().flat_map(|src| blend_factors().map(move |dst| (src, dst)));
     blend_operations().flat_map(|op| pairs().map(move |(src, dst)| equation(src, dst, op))).collect()
 }

@@ -1,5 +1,6 @@
 //! 8-bit unorm targets with four channels, sources that are 8-bit codes: any blend state, in integers.
 
+mod flat;
 pub(crate) mod row;
 pub mod rule;
 mod shape;
@@ -11,6 +12,7 @@ use super::simd::{self, Isa, Simd};
 use super::{Row, TEXEL};
 use crate::format::{Rounding, unorm};
 use crate::model::llvmpipe::{VectorWidth, integer};
+use flat::Flat;
 use row::{Operand, Side};
 use rule::Rule;
 use shape::Shape;
@@ -66,6 +68,11 @@ impl Unorm8 {
 
     pub(crate) fn merge(&self, isa: Isa, row: Row<'_>) {
         simd::run(isa, Task { kernel: self, row });
+    }
+
+    /// Merges one color over every texel, the short way; `false`, and nothing done, where there is none.
+    pub(crate) fn merge_flat(&self, isa: Isa, color: [u8; TEXEL], dst: &mut [u8]) -> bool {
+        Flat::new(self, color).is_some_and(|flat| flat.merge(isa, dst))
     }
 }
 
