@@ -35,6 +35,7 @@ use wgpu_types::{ColorTargetState, TextureFormat};
 
 use crate::model::NumericModel;
 use unorm8::Unorm8;
+use unorm8::flat::{self, Flat};
 
 /// Bytes of an 8-bit texel with four channels.
 pub const TEXEL: usize = 4;
@@ -142,16 +143,22 @@ impl Kernel {
         const SPREAD: usize = 1024;
         assert_eq!(self.texel(), TEXEL, "texels of four bytes");
         assert_eq!(dst.len() % TEXEL, 0, "whole texels");
-        if let Path::Unorm8(kernel) = &self.0
-            && kernel.merge_flat(isa, color, dst)
-        {
-            return;
+        if let Some(flat) = self.flat(color) {
+            return flat::merge(isa, &[flat], dst);
         }
         let mut spread = [0; SPREAD * TEXEL];
         let needed = dst.len().min(spread.len());
         spread[..needed].chunks_exact_mut(TEXEL).for_each(|texel| texel.copy_from_slice(&color));
         for part in dst.chunks_mut(SPREAD * TEXEL) {
             self.merge_row_on(isa, &spread[..part.len()], None, None, part);
+        }
+    }
+
+    /// The short way to merge a color, if there is one.
+    fn flat(&self, color: [u8; TEXEL]) -> Option<Flat> {
+        match &self.0 {
+            Path::Unorm8(kernel) => kernel.flat(color),
+            Path::Half(_) | Path::Srgb8(_) => None,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Many layers at once: each tile of the target takes all layers before the next, so that it stays in the cache.
 
+use super::unorm8::flat::{self, Flat};
 use super::{Isa, Kernel, TEXEL};
 
 /// Texels of a tile by default: with a source row and scratch it stays within a second-level cache of 256 KiB.
@@ -30,8 +31,9 @@ pub struct Layer<'a> {
 /// is one for halves, or `tile_texels` is 0.
 pub fn merge_layers(layers: &[Layer<'_>], tile_texels: usize, target: &mut [u8]) {
     check(layers, target.len());
+    let steps = steps(layers);
     for (index, tile) in target.chunks_mut(tile_texels * TEXEL).enumerate() {
-        merge_tile(layers, index * tile_texels * TEXEL, tile);
+        merge_tile(&steps, index * tile_texels * TEXEL, tile);
     }
 }
 
@@ -43,8 +45,9 @@ pub fn merge_layers(layers: &[Layer<'_>], tile_texels: usize, target: &mut [u8])
 pub fn merge_layers_parallel(layers: &[Layer<'_>], tile_texels: usize, target: &mut [u8]) {
     use rayon::prelude::*;
     check(layers, target.len());
+    let steps = steps(layers);
     let tiles = target.par_chunks_mut(tile_texels * TEXEL).enumerate();
-    tiles.for_each(|(index, tile)| merge_tile(layers, index * tile_texels * TEXEL, tile));
+    tiles.for_each(|(index, tile)| merge_tile(&steps, index * tile_texels * TEXEL, tile));
 }
 
 fn check(layers: &[Layer<'_>], bytes: usize) {
@@ -57,23 +60,45 @@ fn check(layers: &[Layer<'_>], bytes: usize) {
     }
 }
 
-/// All layers on one tile that starts at byte `start`. Layers of one color in a row are merged part by part, so that the
-/// part stays in the first-level cache.
-fn merge_tile(layers: &[Layer<'_>], start: usize, tile: &mut [u8]) {
-    /// Texels of a part.
-    const PART: usize = 4096;
-    let isa = Isa::best();
-    for run in layers.chunk_by(|a, b| matches!((a.source, b.source), (Source::Color(_), Source::Color(_)))) {
-        if let [Layer { kernel, source: Source::Texels(texels) }] = run {
-            kernel.merge_row_on(isa, &texels[start..start + tile.len()], None, None, tile);
-            continue;
-        }
-        for part in tile.chunks_mut(PART * TEXEL) {
-            for layer in run {
-                if let Source::Color(color) = layer.source {
-                    layer.kernel.merge_color_on(isa, color, part);
-                }
+/// What a tile goes through.
+enum Step<'a> {
+    /// A layer with a color a texel.
+    Texels(&'a Kernel, &'a [u8]),
+    /// A layer of one color that has no shorter way than a row of it.
+    Color(&'a Kernel, [u8; TEXEL]),
+    /// Layers of one color each, merged together.
+    Stack(Vec<Flat>),
+}
+
+fn steps<'a>(layers: &[Layer<'a>]) -> Vec<Step<'a>> {
+    let mut steps = Vec::new();
+    for layer in layers {
+        let color = match layer.source {
+            Source::Texels(texels) => {
+                steps.push(Step::Texels(layer.kernel, texels));
+                continue;
             }
+            Source::Color(color) => color,
+        };
+        match (layer.kernel.flat(color), steps.last_mut()) {
+            (Some(flat), Some(Step::Stack(stack))) => stack.push(flat),
+            (Some(flat), _) => steps.push(Step::Stack(vec![flat])),
+            (None, _) => steps.push(Step::Color(layer.kernel, color)),
+        }
+    }
+    steps
+}
+
+/// All steps on one tile that starts at byte `start`.
+fn merge_tile(steps: &[Step<'_>], start: usize, tile: &mut [u8]) {
+    let isa = Isa::best();
+    for step in steps {
+        match step {
+            Step::Texels(kernel, texels) => {
+                kernel.merge_row_on(isa, &texels[start..start + tile.len()], None, None, tile);
+            }
+            Step::Color(kernel, color) => kernel.merge_color_on(isa, *color, tile),
+            Step::Stack(stack) => flat::merge(isa, stack, tile),
         }
     }
 }

@@ -59,3 +59,30 @@ fn tiles_and_threads_do_not_show() {
         }
     }
 }
+
+#[test]
+fn stacks_of_colors_are_their_layers() {
+    let mut bytes = Bytes(11);
+    // Every model's kernels in one stack: rules change within it, and some kernels have no short way.
+    let kernels: Vec<Kernel> = MODELS.into_iter().flat_map(kernels).collect();
+    for texels in [1, 3, 16, 63, 64, 65, 300] {
+        let before = bytes.fill(4 * texels);
+        for count in [1, 2, 31, 32, 33, 200] {
+            let layers: Vec<Layer<'_>> = (0..count)
+                .map(|i| {
+                    // Runs of one kernel, from single layers to more than a batch.
+                    let kernel = &kernels[if count < 100 { i / 7 } else { i / 50 } % kernels.len()];
+                    Layer { kernel, source: Source::Color([bytes.next(), bytes.next(), bytes.next(), bytes.next() / 4]) }
+                })
+                .collect();
+            let mut expected = before.clone();
+            for layer in &layers {
+                let Source::Color(color) = layer.source else { unreachable!("all are") };
+                layer.kernel.merge_row(&color.repeat(texels), None, None, &mut expected);
+            }
+            let mut target = before.clone();
+            merge_layers(&layers, 4096, &mut target);
+            assert!(target == expected, "{texels} texels, {count} layers");
+        }
+    }
+}

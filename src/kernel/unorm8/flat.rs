@@ -2,15 +2,22 @@
 //!
 //! Then the source's term is a number, the destination's factor a code, and nothing is loaded or computed of a source: what
 //! is left is d g + k, divided by 255. Bytes are multiplied where they are: the even ones as 16-bit numbers, the odd ones
-//! as multiples of 256, whose product's high half is theirs.
+//! as multiples of 256, whose product's high half is theirs. A stack of colors is merged group by group of vectors, which
+//! stay in registers for all colors of a batch.
 
 use wgpu_types::BlendOperation as Op;
 
 use super::row::{Operand, Side};
-use super::rule::{Arithmetic, Llvmpipe, RoundedProducts};
+use super::rule::{Arithmetic, Llvmpipe, RoundedProducts, divide, low};
 use super::{Rule, Unorm8};
 use crate::kernel::TEXEL;
 use crate::kernel::simd::{self, Isa, Simd};
+
+/// Colors merged while a group of vectors is in registers: their maps fit the first-level cache.
+const BATCH: usize = 32;
+
+/// Vectors of a group: enough that the latency of one's multiplications is hidden behind the others'.
+const GROUP: usize = 4;
 
 /// A color and a state, reduced to a map of codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,11 +56,23 @@ impl Flat {
         Some(flat)
     }
 
-    /// Maps every texel of `dst`; `false`, and nothing done, on an instruction set without vectors.
-    pub(super) fn merge(&self, isa: Isa, dst: &mut [u8]) -> bool {
-        let mut done = true;
-        simd::run(isa, Task { flat: self, dst, done: &mut done });
-        done
+    /// The code that channel `i` of a destination is mapped to.
+    fn code(&self, d: u8, i: usize) -> u8 {
+        let g = self.factor[i];
+        match self.rule {
+            Rule::Exact => low(divide(u16::from(d) * u16::from(g) + self.before[i])),
+            Rule::RoundedProducts => low(RoundedProducts.product(d, g)).saturating_add(self.after[i]),
+            Rule::Llvmpipe => low(Llvmpipe.product(d, g)).saturating_add(self.after[i]),
+        }
+    }
+}
+
+/// Maps every texel of `dst` by each of `stack` in turn.
+pub(crate) fn merge(isa: Isa, stack: &[Flat], dst: &mut [u8]) {
+    for stack in stack.chunk_by(|a, b| a.rule == b.rule) {
+        for stack in stack.chunks(BATCH) {
+            simd::run(isa, Task { stack, dst: &mut *dst });
+        }
     }
 }
 
@@ -69,97 +88,110 @@ fn factor(kernel: &Unorm8, side: &Side, color: [u8; TEXEL], i: usize) -> Option<
     Some(operand ^ side.invert[i])
 }
 
+/// At most [`BATCH`] colors under one rule.
 struct Task<'a> {
-    flat: &'a Flat,
+    stack: &'a [Flat],
     dst: &'a mut [u8],
-    done: &'a mut bool,
 }
 
 impl simd::Task for Task<'_> {
     #[inline(always)]
     fn on_vectors<S: Simd>(self, simd: S) {
         // A rule is a constant inside each of the three.
-        match self.flat.rule {
-            Rule::Exact => each(simd, self.flat, self.dst, Rule::Exact),
-            Rule::RoundedProducts => each(simd, self.flat, self.dst, Rule::RoundedProducts),
-            Rule::Llvmpipe => each(simd, self.flat, self.dst, Rule::Llvmpipe),
+        match self.stack.first().map(|flat| flat.rule) {
+            Some(Rule::Exact) => each(simd, self, Rule::Exact),
+            Some(Rule::RoundedProducts) => each(simd, self, Rule::RoundedProducts),
+            Some(Rule::Llvmpipe) => each(simd, self, Rule::Llvmpipe),
+            None => {}
         }
     }
 
     fn plain(self) {
-        *self.done = false;
+        for flat in self.stack {
+            for texel in self.dst.chunks_exact_mut(TEXEL) {
+                texel.iter_mut().enumerate().for_each(|(i, code)| *code = flat.code(*code, i));
+            }
+        }
     }
 }
 
-/// The map in vectors.
+/// A map in vectors.
 #[derive(Clone, Copy)]
 struct Map<S: Simd> {
-    s: S,
-    rule: Rule,
     even_factor: S::V,
     odd_factor: S::V,
     even_before: S::V,
     odd_before: S::V,
     after: S::V,
-    half: S::V,
-    ratio: S::V,
-    even_bytes: S::V,
-    odd_bytes: S::V,
 }
 
 impl<S: Simd> Map<S> {
     #[inline(always)]
-    fn new(s: S, flat: &Flat, rule: Rule) -> Self {
+    fn new(s: S, flat: &Flat) -> Self {
         let [a, b, c, d] = flat.factor;
         let half = s.splat16(128);
         let [before_a, before_b, before_c, before_d] = flat.before.map(u16::to_le_bytes);
         let words = |low: [u8; 2], high: [u8; 2]| [low[0], low[1], high[0], high[1]];
         Self {
-            s,
-            rule,
             even_factor: s.splat32([a, 0, c, 0]),
             odd_factor: s.splat32([0, b, 0, d]),
             even_before: s.add16(s.splat32(words(before_a, before_c)), half),
             odd_before: s.add16(s.splat32(words(before_b, before_d)), half),
             after: s.splat32(flat.after),
-            half,
-            ratio: s.splat16(257),
-            even_bytes: s.splat16(0x00ff),
-            odd_bytes: s.splat16(0xff00),
         }
     }
 
     #[inline(always)]
-    fn of(&self, d: S::V) -> S::V {
-        let s = self.s;
-        let even = s.multiply16(s.and(d, self.even_bytes), self.even_factor);
-        let odd = s.multiply_high16(s.and(d, self.odd_bytes), self.odd_factor);
-        let (even, odd) = if self.rule == Rule::Llvmpipe {
-            let even = s.high_bytes16(s.add16(s.add16(even, self.half), s.high_bytes16(even)));
-            (even, s.add16(s.add16(odd, self.half), s.high_bytes16(odd)))
+    fn of(&self, s: S, rule: Rule, d: S::V) -> S::V {
+        let odd_bytes = s.splat16(0xff00);
+        let even = s.multiply16(s.and(d, s.splat16(0x00ff)), self.even_factor);
+        let odd = s.multiply_high16(s.and(d, odd_bytes), self.odd_factor);
+        let (even, odd) = if rule == Rule::Llvmpipe {
+            let half = s.splat16(128);
+            let even = s.high_bytes16(s.add16(s.add16(even, half), s.high_bytes16(even)));
+            (even, s.add16(s.add16(odd, half), s.high_bytes16(odd)))
         } else {
             let odd = s.add16(odd, self.odd_before);
-            (s.multiply_high16(s.add16(even, self.even_before), self.ratio), s.add16(odd, s.high_bytes16(odd)))
+            let even = s.multiply_high16(s.add16(even, self.even_before), s.splat16(257));
+            (even, s.add16(odd, s.high_bytes16(odd)))
         };
-        let codes = s.or(even, s.and(odd, self.odd_bytes));
-        if self.rule == Rule::Exact { codes } else { s.add_saturating8(codes, self.after) }
+        let codes = s.or(even, s.and(odd, odd_bytes));
+        if rule == Rule::Exact { codes } else { s.add_saturating8(codes, self.after) }
     }
 }
 
 #[inline(always)]
-fn each<S: Simd>(s: S, flat: &Flat, dst: &mut [u8], rule: Rule) {
-    let map = Map::new(s, flat, rule);
-    let mut vectors = dst.chunks_exact_mut(S::BYTES);
-    for d in &mut vectors {
-        let mapped = map.of(s.load(d));
-        s.store(d, mapped);
+fn each<S: Simd>(s: S, task: Task<'_>, rule: Rule) {
+    let Some(first) = task.stack.first() else { return };
+    let mut maps = [Map::new(s, first); BATCH];
+    for (map, flat) in maps.iter_mut().zip(task.stack).skip(1) {
+        *map = Map::new(s, flat);
     }
-    let rest = vectors.into_remainder();
-    if !rest.is_empty() {
+    let maps = &maps[..task.stack.len()];
+    // Loops, not adapters: a closure would not have the instruction set.
+    let mut groups = task.dst.chunks_exact_mut(GROUP * S::BYTES);
+    for group in &mut groups {
+        let mut vectors = [s.load(group); GROUP];
+        for (bytes, v) in group.chunks_exact(S::BYTES).zip(&mut vectors) {
+            *v = s.load(bytes);
+        }
+        for map in maps {
+            for v in &mut vectors {
+                *v = map.of(s, rule, *v);
+            }
+        }
+        for (bytes, v) in group.chunks_exact_mut(S::BYTES).zip(vectors) {
+            s.store(bytes, v);
+        }
+    }
+    for bytes in groups.into_remainder().chunks_mut(S::BYTES) {
         let mut padded = [0; 64];
-        padded[..rest.len()].copy_from_slice(rest);
-        let mapped = map.of(s.load(&padded));
-        s.store(&mut padded, mapped);
-        rest.copy_from_slice(&padded[..rest.len()]);
+        padded[..bytes.len()].copy_from_slice(bytes);
+        let mut v = s.load(&padded);
+        for map in maps {
+            v = map.of(s, rule, v);
+        }
+        s.store(&mut padded, v);
+        bytes.copy_from_slice(&padded[..bytes.len()]);
     }
 }

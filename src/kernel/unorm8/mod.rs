@@ -1,6 +1,6 @@
 //! 8-bit unorm targets with four channels, sources that are 8-bit codes: any blend state, in integers.
 
-mod flat;
+pub(crate) mod flat;
 pub(crate) mod row;
 pub mod rule;
 mod shape;
@@ -70,9 +70,9 @@ impl Unorm8 {
         simd::run(isa, Task { kernel: self, row });
     }
 
-    /// Merges one color over every texel, the short way; `false`, and nothing done, where there is none.
-    pub(crate) fn merge_flat(&self, isa: Isa, color: [u8; TEXEL], dst: &mut [u8]) -> bool {
-        Flat::new(self, color).is_some_and(|flat| flat.merge(isa, dst))
+    /// The map of destinations that one color is; `None` where the state needs more than that.
+    pub(crate) fn flat(&self, color: [u8; TEXEL]) -> Option<Flat> {
+        Flat::new(self, color)
     }
 }
 

@@ -111,7 +111,7 @@ impl Arithmetic for Llvmpipe {
 
 /// A code that fits a byte.
 #[inline(always)]
-fn low(code: u16) -> u8 {
+pub(super) fn low(code: u16) -> u8 {
     #[expect(clippy::cast_possible_truncation, reason = "every rule ends at 255 at most")]
     let byte = code as u8;
     byte
