@@ -72,7 +72,10 @@ fn stacks_of_colors_are_their_layers() {
                 .map(|i| {
                     // Runs of one kernel, from single layers to more than a batch.
                     let kernel = &kernels[if count < 100 { i / 7 } else { i / 50 } % kernels.len()];
-                    Layer { kernel, source: Source::Color([bytes.next(), bytes.next(), bytes.next(), bytes.next() / 4]) }
+                    Layer {
+                        kernel,
+                        source: Source::Color([bytes.next(), bytes.next(), bytes.next(), bytes.next() / 4]),
+                    }
                 })
                 .collect();
             let mut expected = before.clone();
