@@ -116,7 +116,7 @@ fn a_refused_pipeline_spoils_its_own_batch_alone() {
         dst_factor: wgpu_types::BlendFactor::One,
         operation: wgpu_types::BlendOperation::Min,
     };
-    target.blend = Some(wgpu_types::BlendState { color: min, alpha: min });
+    target.blend = Some(BlendState { color: min, alpha: min });
     for attempt in 0..2 {
         let error = replay.run(&bad).expect_err("WebGPU wants factors one with min");
         let ReplayError::Device(DeviceError::Validation(text)) = &error else { panic!("{error}") };
