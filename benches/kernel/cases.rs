@@ -1,6 +1,6 @@
 //! The cases: a state, its bytes, and who merges them.
 
-use outmerge::kernel::{Isa, Kernel, depth};
+use outmerge::kernel::{Colors, Isa, Kernel, Span, SpanMerger, depth};
 use outmerge::merger::Merger;
 use outmerge::model::registry;
 use outmerge::{Extent, Fragment, Framebuffer, MergerState};
@@ -235,23 +235,50 @@ pub fn reference() {
     let mut targets = Framebuffer::for_state(Extent::new(size, size).expect("a size"), &state).expect("memory");
     let color = |at: usize| std::array::from_fn(|i| f32::from(src[4 * at + i]) / 255.0);
     let fragments: Vec<Fragment> = (0..pixels).map(|at| Fragment::new(color(at))).collect();
-    println!("\n| straight over, 256^2 | reference, ns/pixel | kernel, ns/pixel | gain |\n|---|---|---|---|");
+    let planes: [Vec<f32>; 4] = std::array::from_fn(|i| fragments.iter().map(|f| f.outputs[0][i]).collect());
+    let mut span_targets = [targets.clone(), targets.clone()];
+    println!(
+        "\n| straight over, 256^2, ns/pixel | reference | span of planes | span of codes | kernel | gain |\n\
+         |---|---|---|---|---|---|"
+    );
     for name in ["exact", "f32", "fixed:8", "llvmpipe"] {
         let model = registry::by_name(name).expect("a model");
         let merger = Merger::new(&state, &*model, &targets).expect("a merger");
         let kernel = kernel(TextureFormat::Rgba8Unorm, BlendState::ALPHA_BLENDING, name);
+        let [mut by_planes, mut by_codes] =
+            [(); 2].map(|()| SpanMerger::new(&state, &*model, &targets).expect("a merger"));
+        let [plane_targets, code_targets] = &mut span_targets;
+        let row = |y: u32| (y * size) as usize..((y + 1) * size) as usize;
         let slow = |_: &[u8], _: &mut [u8]| {
             for (at, fragment) in (0_u32..).zip(&fragments) {
                 merger.merge(fragment, at % size, at / size, &mut targets);
             }
         };
+        let spans_of_planes = |_: &[u8], _: &mut [u8]| {
+            for y in 0..size {
+                let colors = [Colors::Planes(std::array::from_fn(|i| &planes[i][row(y)]))];
+                by_planes.merge(&Span::new(0, y, &colors), plane_targets);
+            }
+        };
+        let spans_of_codes = |src: &[u8], _: &mut [u8]| {
+            for y in 0..size {
+                let colors = [Colors::Unorm8(&src[4 * row(y).start..4 * row(y).end])];
+                by_codes.merge(&Span::new(0, y, &colors), code_targets);
+            }
+        };
         let fast = |src: &[u8], dst: &mut [u8]| kernel.merge_row(src, None, None, dst);
         let times = measure(
-            &mut [Contender::new("reference", slow), Contender::new("kernel", fast)],
+            &mut [
+                Contender::new("reference", slow),
+                Contender::new("span of planes", spans_of_planes),
+                Contender::new("span of codes", spans_of_codes),
+                Contender::new("kernel", fast),
+            ],
             &src,
             &bytes(4 * pixels, 2),
         );
-        let each = |time: f64| time / pixels as f64;
-        println!("| {name} | {:.1} | {:.3} | {:.0} |", each(times[0]), each(times[1]), times[0] / times[1]);
+        let each: Vec<f64> = times.iter().map(|time| time / pixels as f64).collect();
+        let gain = times[0] / times[3];
+        println!("| {name} | {:.1} | {:.2} | {:.3} | {:.3} | {gain:.0} |", each[0], each[1], each[2], each[3]);
     }
 }

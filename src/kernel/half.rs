@@ -8,6 +8,7 @@
 //! 2^-48. NaN, infinity and negative alpha go to the reference, as do NaN and infinity in the other models, whose operations are
 //! those of binary32.
 
+use half::f16;
 use wgpu_types::{ColorTargetState, ColorWrites};
 
 use super::Row;
@@ -17,6 +18,19 @@ use crate::format::{FloatLayout, Rounding};
 
 /// Bytes of a texel.
 pub(super) const TEXEL: usize = 8;
+
+/// RGBA as halves that are these numbers.
+pub(super) fn source(rgba: [f32; 4]) -> Option<[u8; TEXEL]> {
+    let mut texel = [0; TEXEL];
+    for (bytes, x) in texel.chunks_exact_mut(2).zip(rgba) {
+        let near = f16::from_f32(x);
+        bytes.copy_from_slice(&near.to_le_bytes());
+        if near.to_f32().to_bits() != x.to_bits() {
+            return None;
+        }
+    }
+    Some(texel)
+}
 
 /// The kernel of one state.
 #[derive(Clone, Debug)]
@@ -152,7 +166,7 @@ fn is_between_halves(x: f32) -> bool {
 
 /// The half at the start of a slice.
 fn decode(bytes: &[u8]) -> f32 {
-    half::f16::from_bits(u16::from_le_bytes([bytes[0], bytes[1]])).to_f32()
+    f16::from_bits(u16::from_le_bytes([bytes[0], bytes[1]])).to_f32()
 }
 
 struct Task<'a> {

@@ -8,12 +8,14 @@
 //! - 8-bit sRGB targets, sources that are 8-bit codes of linear color, and `rgba16float`, sources that are halves: straight
 //!   and premultiplied over and additive blending, in the models with a [`FloatRule`]: `exact`, `f32` and `llvmpipe`.
 //!
-//! [`Kernel::new`] answers `None` for everything else, which the reference merger covers.
+//! [`Kernel::new`] answers `None` for everything else, which the reference merger covers. [`SpanMerger`] makes that choice
+//! for whole states, target by target and fragment by fragment.
 //!
 //! - [`rule`]: how each model rounds, as 16-bit integer arithmetic, with the proof that it is the model;
 //! - `unorm8`, `srgb8`, `half`: the rows of 8-bit, sRGB and half-float targets;
 //! - [`simd`]: instruction sets, the choice between them, and vectors as safe functions;
 //! - [`depth`]: the depth test of a row, which makes the write mask of its texels;
+//! - [`span`]: spans of fragments under any state, by kernels where they fit;
 //! - [`tile`]: many layers at once, tile by tile, so that the target stays in the cache.
 //!
 //! `tests/kernel` compares kernels with the reference: exhaustively where inputs are 8-bit, on every instruction set that
@@ -23,12 +25,14 @@ pub mod depth;
 mod half;
 mod over;
 pub mod simd;
+pub mod span;
 mod srgb8;
 pub mod tile;
 mod unorm8;
 
 pub use over::FloatRule;
 pub use simd::Isa;
+pub use span::{Colors, Span, SpanMerger};
 pub use unorm8::rule::{self, Rule};
 
 use wgpu_types::{ColorTargetState, TextureFormat};
@@ -84,6 +88,32 @@ impl Kernel {
         match self.0 {
             Path::Unorm8(_) | Path::Srgb8(_) => TEXEL,
             Path::Half(_) => half::TEXEL,
+        }
+    }
+
+    /// RGBA of a fragment as one texel of a row's source, which it stands for exactly; `None` where none does.
+    fn source(&self, rgba: [f32; 4]) -> Option<[u8; half::TEXEL]> {
+        let mut texel = [0; half::TEXEL];
+        match &self.0 {
+            Path::Unorm8(kernel) => {
+                let codes = kernel.source(rgba)?;
+                texel[..TEXEL].copy_from_slice(&codes);
+            }
+            Path::Srgb8(kernel) => texel[..TEXEL].copy_from_slice(&kernel.source(rgba)?),
+            Path::Half(_) => {
+                let halves = half::source(rgba)?;
+                texel.copy_from_slice(&halves);
+            }
+        }
+        Some(texel)
+    }
+
+    /// Whether a row's source takes RGBA codes as they are.
+    fn takes_rgba_codes(&self) -> bool {
+        match &self.0 {
+            Path::Unorm8(kernel) => !kernel.swap,
+            Path::Srgb8(kernel) => !kernel.swap,
+            Path::Half(_) => false,
         }
     }
 

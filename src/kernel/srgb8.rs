@@ -15,7 +15,7 @@ use wgpu_types::{ColorTargetState, TextureFormat};
 
 use super::over::{FloatRule, Over, Reference};
 use super::simd::{self, Isa, Simd};
-use super::unorm8::{self, ordered};
+use super::unorm8::{self, Rule, ordered};
 use super::{Row, TEXEL};
 use crate::format::{ColorFormat, srgb};
 use crate::model::llvmpipe::{self, Llvmpipe};
@@ -87,7 +87,8 @@ fn first_above(threshold: f64) -> u32 {
 pub(super) struct Srgb8 {
     rule: FloatRule,
     over: Over,
-    swap: bool,
+    /// The target's bytes are in BGRA order.
+    pub(super) swap: bool,
     /// 255 for the bytes that are written.
     write_mask: [u8; TEXEL],
     reference: Reference,
@@ -106,6 +107,12 @@ impl Srgb8 {
             reference: Reference::new(rule, target.format, blend)?,
             format: ColorFormat::new(target.format).ok()?,
         })
+    }
+
+    /// RGBA as codes in the target's byte order.
+    pub(super) fn source(&self, rgba: [f32; 4]) -> Option<[u8; TEXEL]> {
+        let [r, g, b, a] = rgba.map(|x| Rule::Exact.code(x).filter(|code| unit(*code) == x));
+        Some(ordered([r?, g?, b?, a?], self.swap))
     }
 
     pub(super) fn merge(&self, isa: Isa, row: Row<'_>) {

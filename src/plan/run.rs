@@ -14,7 +14,7 @@ use crate::target::Framebuffer;
 /// An output merger that follows a plan.
 #[derive(Debug)]
 pub struct Planned<'a> {
-    merger: Merger<'a>,
+    pub(crate) merger: Merger<'a>,
     plan: Plan,
     leaves_a_trace: bool,
 }
@@ -116,7 +116,7 @@ impl<'a> Planned<'a> {
     }
 
     /// Stages 4 to 7 on one target.
-    fn write_color<M: Memory>(
+    pub(crate) fn write_color<M: Memory>(
         &self,
         fragment: &Fragment,
         index: usize,

@@ -10,17 +10,17 @@ use wgpu_types::{BlendComponent, BlendFactor as F, BlendOperation, ColorTargetSt
 
 use super::simd::{self, Isa, Simd};
 use super::{Row, TEXEL};
-use crate::format::{Rounding, unorm};
-use crate::model::llvmpipe::{VectorWidth, integer};
 use flat::Flat;
 use row::{Operand, Side};
-use rule::Rule;
+pub(crate) use rule::Rule;
 use shape::Shape;
 
 /// The kernel of one state.
 #[derive(Clone, Debug)]
 pub(crate) struct Unorm8 {
     rule: Rule,
+    /// The target's bytes are in BGRA order.
+    pub(super) swap: bool,
     /// Blending is off: the source replaces the destination.
     replace: bool,
     src: Side,
@@ -41,7 +41,7 @@ impl Unorm8 {
         let reads_constant = |c: &BlendComponent| {
             [c.src_factor, c.dst_factor].into_iter().any(|f| matches!(f, F::Constant | F::OneMinusConstant))
         };
-        let codes = constant.map(|x| code(x, rule));
+        let codes = constant.map(|x| rule.code(x));
         let needed = target.blend.is_some_and(|blend| reads_constant(&blend.color) || reads_constant(&blend.alpha));
         if needed && codes.contains(&None) {
             return None;
@@ -49,6 +49,7 @@ impl Unorm8 {
         let [color, alpha] = target.blend.map_or([BlendComponent::REPLACE; 2], |blend| [blend.color, blend.alpha]);
         let mut kernel = Self {
             rule,
+            swap,
             replace: target.blend.is_none(),
             src: Side::new(color.src_factor, alpha.src_factor),
             dst: Side::new(color.dst_factor, alpha.dst_factor),
@@ -59,6 +60,12 @@ impl Unorm8 {
         };
         kernel.shape = Shape::new(&kernel);
         Some(kernel)
+    }
+
+    /// RGBA as codes in the target's byte order.
+    pub(super) fn source(&self, rgba: [f32; 4]) -> Option<[u8; TEXEL]> {
+        let [r, g, b, a] = rgba.map(|x| self.rule.code(x));
+        Some(ordered([r?, g?, b?, a?], self.swap))
     }
 
     pub(crate) fn reads_second_source(&self) -> bool {
@@ -108,15 +115,4 @@ pub(crate) fn ordered(mut rgba: [u8; TEXEL], swap: bool) -> [u8; TEXEL] {
 pub(crate) fn write_mask(mask: ColorWrites, swap: bool) -> [u8; TEXEL] {
     let byte = |bit| if mask.contains(bit) { u8::MAX } else { 0 };
     ordered([ColorWrites::RED, ColorWrites::GREEN, ColorWrites::BLUE, ColorWrites::ALPHA].map(byte), swap)
-}
-
-/// A constant as a code: rounded by models that quantise it, otherwise only if it stands for a code.
-fn code(x: f32, rule: Rule) -> Option<u8> {
-    let code = match rule {
-        Rule::Llvmpipe => integer::quantize8(x, VectorWidth::Bits256),
-        Rule::RoundedProducts | Rule::Exact => unorm::encode(f64::from(x), 8, Rounding::NearestEven),
-    };
-    let byte = u8::try_from(code).ok()?;
-    let clamped = if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) };
-    (rule != Rule::Exact || f32::from(byte) / 255.0 == clamped).then_some(byte)
 }

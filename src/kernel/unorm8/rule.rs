@@ -6,6 +6,9 @@
 //! codes, and `f32` adds a rounding an operation, a few times as much: both give the nearest code. So `exact` and `f32`
 //! share [`Rule::Exact`]. The tests compare all of this with the models themselves.
 
+use crate::format::{Rounding, unorm};
+use crate::model::llvmpipe::{VectorWidth, integer};
+
 /// The rule of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Rule {
@@ -15,6 +18,60 @@ pub enum Rule {
     RoundedProducts,
     /// Each product by (t + (t >> 8) + 128) >> 8: `llvmpipe`.
     Llvmpipe,
+}
+
+impl Rule {
+    /// A shader output or constant as the code that stands for it, if one does: models that quantise sources round, the
+    /// others only know what is a code already.
+    #[inline]
+    #[must_use]
+    pub fn code(self, x: f32) -> Option<u8> {
+        if !(0.0..=1.0).contains(&x) {
+            return self.code_of_outlier(x);
+        }
+        match self {
+            Self::Llvmpipe => Some(rounded_32(x)),
+            Self::RoundedProducts => Some(rounded_64(x)),
+            Self::Exact => Some(rounded_64(x)).filter(|code| UNIT[usize::from(*code)] == x),
+        }
+    }
+
+    /// The same for numbers that are not between 0 and 1.
+    fn code_of_outlier(self, x: f32) -> Option<u8> {
+        /// Below any number that is too large for the driver's conversion with narrow vectors.
+        const ALL_WIDTHS: f32 = 8.0e6;
+        let code = match self {
+            Self::Llvmpipe if x > ALL_WIDTHS => return None,
+            Self::Llvmpipe => integer::quantize8(x, VectorWidth::Bits256),
+            Self::RoundedProducts | Self::Exact => unorm::encode(f64::from(x), 8, Rounding::NearestEven),
+        };
+        u8::try_from(code).ok()
+    }
+}
+
+/// k / 255 by code.
+const UNIT: [f32; 256] = {
+    let mut unit = [0.0; 256];
+    let mut k = 0_u8;
+    loop {
+        unit[k as usize] = k as f32 / 255.0;
+        if k == u8::MAX {
+            break unit;
+        }
+        k += 1;
+    }
+};
+
+/// x * 255 in binary32, to nearest even, for x in [0, 1]: a number of that size has no bits behind the point beside 2^23.
+fn rounded_32(x: f32) -> u8 {
+    let [code, ..] = (x * 255.0 + 8_388_608.0).to_bits().to_le_bytes();
+    code
+}
+
+/// The real x * 255, to nearest even, for x in [0, 1].
+fn rounded_64(x: f32) -> u8 {
+    let [code, ..] = (f64::from(x) * 255.0 + 4_503_599_627_370_496.0).to_bits().to_le_bytes();
+    code
 }
 
 /// Largest sum in units of 1/255 code.
@@ -120,6 +177,29 @@ pub(super) fn low(code: u16) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_become_codes_as_the_models_round_them() {
+        // Every 255th number from 0 to 1, all numbers around codes and ties, and outliers.
+        let all = (0..=1.0_f32.to_bits()).step_by(255).map(f32::from_bits);
+        let near = (0..=510_u16).flat_map(|k| {
+            let bits = (f32::from(k) / 510.0).to_bits();
+            (bits.saturating_sub(300)..bits + 300).map(f32::from_bits)
+        });
+        let outliers = [-0.0, -1.0, 1.5, 1e7, 1e30, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, -f32::MIN_POSITIVE];
+        for x in all.chain(near).chain(outliers) {
+            let nearest = u8::try_from(unorm::encode(f64::from(x), 8, Rounding::NearestEven)).expect("8 bits");
+            assert_eq!(Rule::RoundedProducts.code(x), Some(nearest), "{x:e}");
+            let clamped = if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) };
+            let exact = (f32::from(nearest) / 255.0 == clamped).then_some(nearest);
+            assert_eq!(Rule::Exact.code(x), exact, "{x:e}");
+            let driver = [VectorWidth::Bits128, VectorWidth::Bits256].map(|width| integer::quantize8(x, width));
+            match Rule::Llvmpipe.code(x) {
+                Some(code) => assert_eq!(driver, [u32::from(code); 2], "{x:e}"),
+                None => assert!(x > 1e6, "{x:e} is out of reach"),
+            }
+        }
+    }
 
     #[test]
     fn division_is_to_the_nearest_for_every_sum() {
