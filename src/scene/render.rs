@@ -160,19 +160,21 @@ impl Scene {
 
     /// Renders with a merger that is made anew for each draw and model.
     fn render_by(&self, models: &[&dyn NumericModel], path: Path) -> Result<Vec<Rendered>, SceneError> {
-        let cleared = self.cleared()?;
-        let start = |model: &&dyn NumericModel| Rendered {
+        // The last model takes the cleared targets themselves, so one model needs no second copy.
+        let cleared = vec![self.cleared()?; models.len()];
+        let start = |(model, framebuffer): (&&dyn NumericModel, Framebuffer)| Rendered {
             model: model.name(),
-            framebuffer: cleared.clone(),
+            framebuffer,
             draws: Vec::new(),
             fragments: 0,
             merge_time: Duration::ZERO,
         };
-        let mut rendered: Vec<Rendered> = models.iter().map(start).collect();
+        let mut rendered: Vec<Rendered> = models.iter().zip(cleared).map(start).collect();
         for (index, draw) in self.draws().iter().enumerate() {
             let ways: Vec<Way<'_>> = models
                 .iter()
-                .map(|model| Way::new(path, &draw.state, *model, &cleared))
+                .zip(&rendered)
+                .map(|(model, rendered)| Way::new(path, &draw.state, *model, &rendered.framebuffer))
                 .collect::<Result<_, _>>()
                 .map_err(|source| SceneError::Merger { index, draw: draw.label(), source })?;
             let work = self.shade(draw, None, |fragments| {
