@@ -8,6 +8,7 @@
 mod exhaustive;
 mod flat;
 mod halves;
+mod quadruples;
 mod rows;
 #[cfg(feature = "proptest")]
 mod spans;
