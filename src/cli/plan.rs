@@ -54,6 +54,9 @@ fn text(plan: &ScenePlan) -> Result<String, Failure> {
         })
     };
     let bytes = saved(total(|draw| draw.planned.traffic), total(|draw| draw.everything.traffic));
+    let depth = &plan.depth_target;
+    let word = if depth.needed { "needed" } else { "left out" };
+    writeln!(text, "depth target {word}, {} bytes: {}", plan.depth_target_bytes, depth.reason)?;
     writeln!(text, "scene, model {}: bytes moved {bytes}", plan.model)?;
     writeln!(
         text,

@@ -61,8 +61,9 @@ impl Render {
         if !self.trap.is_empty() {
             return self.find(&scene, model.as_ref());
         }
-        let rendered =
-            if self.reference { scene.render_reference(model.as_ref())? } else { scene.render(model.as_ref())? };
+        // A plan may leave the depth target out; who asks for it wants it all the same.
+        let whole = self.reference || self.depth;
+        let rendered = if whole { scene.render_reference(model.as_ref())? } else { scene.render(model.as_ref())? };
         let picture = if self.depth {
             let target = rendered.framebuffer.depth_stencil.as_ref();
             target.and_then(Picture::of_depth).ok_or("the scene has no depth target")?

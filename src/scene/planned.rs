@@ -8,7 +8,7 @@ use super::render::SceneError;
 use crate::merger::MergerError;
 use crate::model::NumericModel;
 use crate::plan::{Access, Counted, Decision, Plan, Planned, Traffic};
-use crate::target::Framebuffer;
+use crate::target::{DepthStencilTarget, Framebuffer};
 
 /// Whether a part of a draw outside the output merger is needed, and why.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,6 +58,10 @@ pub struct DrawPlan {
 pub struct ScenePlan {
     /// Name of the numeric model.
     pub model: String,
+    /// Whether the scene needs its depth target at all.
+    pub depth_target: PipelineDecision,
+    /// Bytes that target takes, or would take, in a [`Framebuffer`].
+    pub depth_target_bytes: usize,
     /// The draws.
     pub draws: Vec<DrawPlan>,
     /// Whether targets merged with and without the plan hold the same bytes. Anything else is a bug in the plan.
@@ -115,7 +119,8 @@ impl Scene {
         let way = || Way { timed: cleared.clone(), counted: cleared.clone() };
         let (mut lean, mut full) = (way(), way());
         let mut plans = Vec::new();
-        for (index, draw) in self.draws().iter().enumerate() {
+        let draws = self.draws();
+        for (index, draw) in draws.iter().enumerate() {
             let failed = |source: MergerError| SceneError::Merger { index, draw: draw.label(), source };
             let planned = Planned::new(&draw.state, model, &cleared).map_err(failed)?;
             let everything = Planned::everything(&draw.state, model, &cleared).map_err(failed)?;
@@ -134,7 +139,19 @@ impl Scene {
                 everything: costs[1],
             });
         }
-        Ok(ScenePlan { model: model.name(), draws: plans, same_bytes: lean.timed == full.timed })
+        let depth_target = match (&cleared.depth_stencil, self.touches_depth(&draws, &[model])?) {
+            (None, _) => (false, "the scene asks for none"),
+            (Some(_), false) => (false, "no draw reads or writes depth or stencil"),
+            (Some(_), true) => (true, "a draw reads or writes depth or stencil"),
+        };
+        let bytes = |target: &DepthStencilTarget| size_of_val(target.depth()) + size_of_val(target.stencil());
+        Ok(ScenePlan {
+            model: model.name(),
+            depth_target: PipelineDecision { part: "depth target", needed: depth_target.0, reason: depth_target.1 },
+            depth_target_bytes: cleared.depth_stencil.as_ref().map_or(0, bytes),
+            draws: plans,
+            same_bytes: lean.timed == full.timed,
+        })
     }
 }
 

@@ -2,14 +2,14 @@
 
 use std::time::{Duration, Instant};
 
-use super::description::Scene;
+use super::description::{DepthSpec, Scene};
 use super::draw::Draw;
 use super::material::Work;
 use super::shade::PixelFragment;
 use crate::merger::{Merger, MergerError};
 use crate::model::NumericModel;
 use crate::model::exact::Exact;
-use crate::plan::Planned;
+use crate::plan::{Access, Plan, Planned};
 use crate::state::MergerState;
 use crate::state::block::StateBlock;
 use crate::target::{Framebuffer, TargetError};
@@ -115,9 +115,13 @@ impl Scene {
     /// # Errors
     /// [`TargetError`].
     pub fn cleared(&self) -> Result<Framebuffer, TargetError> {
+        self.cleared_with(self.target.depth)
+    }
+
+    fn cleared_with(&self, depth: Option<DepthSpec>) -> Result<Framebuffer, TargetError> {
         let formats: Vec<_> = self.target.colors.iter().map(|color| color.format.texture_format()).collect();
-        let depth = self.target.depth.map(|depth| depth.format);
-        let state = StateBlock::default().to_merger_state(&formats, depth);
+        let depth_format = depth.map(|depth| depth.format);
+        let state = StateBlock::default().to_merger_state(&formats, depth_format);
         let mut framebuffer = Framebuffer::for_state(self.target.extent, &state)?;
         let exact = Exact::default();
         for (target, spec) in framebuffer.colors.iter_mut().zip(&self.target.colors) {
@@ -125,7 +129,7 @@ impl Scene {
                 target.fill(exact.clear_color(spec.format, spec.clear));
             }
         }
-        if let (Some(target), Some(spec)) = (&mut framebuffer.depth_stencil, self.target.depth) {
+        if let (Some(target), Some(spec)) = (&mut framebuffer.depth_stencil, depth) {
             if let Some(kind) = target.format().depth() {
                 target.depth_mut().fill(exact.depth_code(kind, spec.clear, [0.0, 1.0]));
             }
@@ -142,7 +146,8 @@ impl Scene {
         Ok(self.render_models(&[model])?.swap_remove(0))
     }
 
-    /// Renders the scene in several models; fragments are made once. Each draw leaves out what its plan does not need.
+    /// Renders the scene in several models; fragments are made once. Each draw leaves out what its plan does not need, and
+    /// where no draw reads or writes depth or stencil, there is no such target: [`Rendered::framebuffer`] has none.
     ///
     /// # Errors
     /// [`SceneError`].
@@ -150,7 +155,8 @@ impl Scene {
         self.render_by(models, Path::Planned)
     }
 
-    /// Renders the scene through the reference merger, which leaves nothing out; the bytes are the same.
+    /// Renders the scene through the reference merger, which leaves nothing out; the bytes are the same, and the depth
+    /// target of the scene is always there.
     ///
     /// # Errors
     /// [`SceneError`].
@@ -158,10 +164,35 @@ impl Scene {
         Ok(self.render_by(&[model], Path::Reference)?.swap_remove(0))
     }
 
+    /// Whether some draw reads or writes depth or stencil in some model.
+    pub(super) fn touches_depth(&self, draws: &[Draw], models: &[&dyn NumericModel]) -> Result<bool, SceneError> {
+        for (index, draw) in draws.iter().enumerate() {
+            for model in models {
+                let plan = Plan::for_model(&draw.state, *model).map_err(|source| SceneError::Merger {
+                    index,
+                    draw: draw.label(),
+                    source: source.into(),
+                })?;
+                if plan.depth_stencil != Access::default() {
+                    return Ok(true);
+                }
+            }
+        }
+        Ok(false)
+    }
+
     /// Renders with a merger that is made anew for each draw and model.
     fn render_by(&self, models: &[&dyn NumericModel], path: Path) -> Result<Vec<Rendered>, SceneError> {
+        let mut draws = self.draws();
+        let depth = match path {
+            Path::Planned if !self.touches_depth(&draws, models)? => None,
+            Path::Planned | Path::Reference => self.target.depth,
+        };
+        if depth.is_none() {
+            draws.iter_mut().for_each(|draw| draw.state.depth_stencil = None);
+        }
         // The last model takes the cleared targets themselves, so one model needs no second copy.
-        let cleared = vec![self.cleared()?; models.len()];
+        let cleared = vec![self.cleared_with(depth)?; models.len()];
         let start = |(model, framebuffer): (&&dyn NumericModel, Framebuffer)| Rendered {
             model: model.name(),
             framebuffer,
@@ -170,7 +201,7 @@ impl Scene {
             merge_time: Duration::ZERO,
         };
         let mut rendered: Vec<Rendered> = models.iter().zip(cleared).map(start).collect();
-        for (index, draw) in self.draws().iter().enumerate() {
+        for (index, draw) in draws.iter().enumerate() {
             let ways: Vec<Way<'_>> = models
                 .iter()
                 .zip(&rendered)

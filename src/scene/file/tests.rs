@@ -41,6 +41,9 @@ fn a_small_scene_is_read_with_defaults() {
     assert_eq!(scene.title, "Test", "the title");
     assert_eq!(scene.target.colors[0].format.name(), "rgba8unorm", "the default format");
     assert!(scene.target.depth.is_some(), "a depth target by default");
+    assert_eq!(scene.target.subpixel_bits, 8, "the usual grid");
+    let coarse = parse(&SCENE.replace("width = 16", "width = 16\nsubpixel-bits = 4")).expect("a correct scene");
+    assert_eq!(coarse.target.subpixel_bits, 4, "the grid it asks for");
     assert_eq!(scene.materials[0].queue().number(), 3000, "the mode's queue");
 }
 
@@ -49,6 +52,18 @@ fn errors_name_file_line_and_field() {
     for (from, to, line, parts) in [
         ("width = 16", "width = 0", 5, "`target.width`: 0 is out of range; it must be 1 to 8192"),
         ("width = 16", "width = 100000", 5, "`target.width`: 100000 is out of range"),
+        (
+            "width = 16",
+            "width = 16\nsubpixel-bits = 3",
+            6,
+            "`target.subpixel-bits`: 3 is out of range; it must be 4 to 8",
+        ),
+        (
+            "width = 16",
+            "width = 16\nsubpixel-bits = 9",
+            6,
+            "`target.subpixel-bits`: 9 is out of range; it must be 4 to 8",
+        ),
         ("0.5]", "nan]", 11, "`material[0].tint`: NaN is not a finite number"),
         ("0.5]", "inf]", 11, "`material[0].tint`: inf is not a finite number"),
         ("0.5]", "1e300]", 11, "`material[0].tint`"),

@@ -63,6 +63,29 @@ fn pixel_centres_on_top_and_left_edges_are_inside_and_on_bottom_and_right_edges_
 }
 
 #[test]
+fn vertices_snap_to_the_grid_of_the_target_with_ties_to_even() {
+    let columns = |left: f64, bits: u8| {
+        let state = RasterState { subpixel_bits: bits, ..state() };
+        let counts = hits(&quad(left, 0.0, 12.0, 24.0), &state);
+        (0..SIZE).find(|x| counts[extent().index(*x, 4, 0)] == 1).expect("something is covered")
+    };
+    // A quad covers column 2 when its left edge is snapped to 2.5 or less. Steps are 1/16 and 1/256 of a pixel.
+    for (sixteenths, four, eight) in [(0.0, 2, 2), (0.49, 2, 3), (0.5, 2, 3), (0.51, 3, 3), (1.0, 3, 3)] {
+        let left = 2.5 + sixteenths / 16.0;
+        assert_eq!(columns(left, 4), four, "4 bits, {sixteenths} of a step");
+        assert_eq!(columns(left, 8), eight, "8 bits, {sixteenths} of a step");
+    }
+    // Half-way between two steps, the even one: 1.5 steps go up to 2, half a step down to 0.
+    let before = |steps: f64| columns(3.5 - steps / 16.0, 4);
+    assert_eq!(
+        [before(0.5), before(0.51), before(1.5)],
+        [3, 3, 3],
+        "an edge at or left of column 3's centre covers it"
+    );
+    assert_eq!(columns(3.5 + 1.5 / 16.0, 4), 4, "2 steps beyond");
+}
+
+#[test]
 fn culling_removes_exactly_one_of_the_two_windings() {
     let ccw = [at(2.0, 20.0), at(20.0, 20.0), at(2.0, 2.0)];
     let cw = [ccw[0], ccw[2], ccw[1]];

@@ -3,8 +3,11 @@ mod law;
 mod property;
 mod technique;
 
+use std::path::Path;
+
 use wgpu_types::BlendFactor;
 
+use super::file::Syntax;
 use super::*;
 use crate::model::exact::Exact;
 use crate::model::{NumericModel, registry};
@@ -66,6 +69,23 @@ fn planned_and_reference_rendering_leave_the_same_bytes_in_every_scene_and_model
             assert!(planned.framebuffer == reference.framebuffer, "{name}, {}", model.name());
         }
     }
+}
+
+#[test]
+fn a_depth_target_that_no_draw_touches_is_left_out_and_nothing_else_changes() {
+    let text = include_str!("../bundled/overlap-zwrite-off.toml");
+    let model = Exact::default();
+    let planned = |scene: &Scene| scene.plan(&model).expect("it can be planned").depth_target.needed;
+    let tested = bundled("overlap-zwrite-off");
+    assert!(planned(&tested) && exact(&tested).framebuffer.depth_stencil.is_some(), "its draws test depth");
+    let text = text.replace("ZWrite Off\"", "ZWrite Off ZTest Always\"");
+    let scene = Scene::parse(&text, Syntax::Toml, Path::new("test.toml")).expect("a scene");
+    assert!(!planned(&scene), "ZTest Always, ZWrite Off");
+    let lean = exact(&scene).framebuffer;
+    let full = scene.render_reference(&model).expect("it renders").framebuffer;
+    assert!(lean.depth_stencil.is_none() && full.depth_stencil.is_some(), "only the reference has one");
+    assert_eq!(lean.colors, full.colors, "the same colors");
+    assert_eq!(full.depth_stencil, scene.cleared().expect("it fits").depth_stencil, "which nobody touched");
 }
 
 #[test]
