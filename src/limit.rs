@@ -21,8 +21,16 @@ pub struct Limits {
     pub texture_bytes: u64,
     /// Vertices of all meshes of a scene: 2^22.
     pub vertices: u64,
+    /// Objects of a scene, those of its models included: 4096.
+    pub objects: u64,
+    /// Passes of a material: 16.
+    pub passes: u64,
+    /// Lights, textures, meshes, materials and models of a scene, of each: 256.
+    pub entries: u64,
     /// Bytes of a line of a vector file: 256 MiB.
     pub line_bytes: u64,
+    /// Layers of a stack whose error is bounded: 10,000,000.
+    pub layers: u64,
 }
 
 impl Default for Limits {
@@ -35,7 +43,11 @@ impl Default for Limits {
             target_bytes: 1 << 30,
             texture_bytes: 1 << 30,
             vertices: 1 << 22,
+            objects: 4096,
+            passes: 16,
+            entries: 256,
             line_bytes: 256 << 20,
+            layers: 10_000_000,
         }
     }
 }
@@ -56,7 +68,7 @@ pub enum LimitError {
 
 impl Limits {
     /// The names [`Limits::set`] takes.
-    pub const NAMES: [&str; 8] = [
+    pub const NAMES: [&str; 12] = [
         "scene-bytes",
         "import-bytes",
         "image-bytes",
@@ -64,12 +76,16 @@ impl Limits {
         "target-bytes",
         "texture-bytes",
         "vertices",
+        "objects",
+        "passes",
+        "entries",
         "line-bytes",
+        "layers",
     ];
 
     /// The limits with their names, in [`Limits::NAMES`]'s order.
     #[must_use]
-    pub fn values(&self) -> [(&'static str, u64); 8] {
+    pub fn values(&self) -> [(&'static str, u64); 12] {
         let mut copy = *self;
         Self::NAMES.map(|name| (name, copy.named(name).map_or(0, |value| *value)))
     }
@@ -94,7 +110,11 @@ impl Limits {
             "target-bytes" => &mut self.target_bytes,
             "texture-bytes" => &mut self.texture_bytes,
             "vertices" => &mut self.vertices,
+            "objects" => &mut self.objects,
+            "passes" => &mut self.passes,
+            "entries" => &mut self.entries,
             "line-bytes" => &mut self.line_bytes,
+            "layers" => &mut self.layers,
             _ => return None,
         })
     }

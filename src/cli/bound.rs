@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Failure, Outcome, output};
+use super::{Failure, Outcome, limits, output};
 use crate::analysis::bound::{self, Bound, BoundError, Growth};
 use crate::analysis::stability::stack;
 use crate::format::ColorFormat;
@@ -59,7 +59,7 @@ impl BoundCommand {
         let (mut rows, mut curves) = (Vec::new(), Vec::new());
         for name in names {
             let format = ColorFormat::from_name(name)?;
-            match bound::bound(format, model.as_ref(), self.alpha, self.layers, self.tolerance) {
+            match bound::bound_within(format, model.as_ref(), self.alpha, self.layers, self.tolerance, limits::get()) {
                 Ok(bound) => rows.push(self.row(format, model.as_ref(), bound)),
                 // Among all formats some may have no bound; asked for alone it is an error.
                 Err(BoundError::Model { .. } | BoundError::Unsupported(_)) if names.len() > 1 => continue,

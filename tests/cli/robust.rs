@@ -158,6 +158,7 @@ fn every_limit_can_be_lowered_and_raised() {
     let render = |scene: &str| ["render", scene, "-o", "/dev/null"].map(str::to_owned).to_vec();
     let texture = ["texture".to_owned(), text(&image)].to_vec();
     let check = ["vectors".to_owned(), "check".to_owned(), "--model".to_owned(), "f32".to_owned(), text(&vectors)];
+    let bound = ["bound", "--layers", "100", "--alpha", "0.5", "--format", "rgba8unorm"];
     for (limit, low, arguments, place) in [
         ("scene-bytes", "100", render(&text(&scene)), "scene.toml"),
         ("target-bytes", "1023", render(&text(&scene)), "`target`"),
@@ -167,6 +168,15 @@ fn every_limit_can_be_lowered_and_raised() {
         ("image-bytes", "60", texture.clone(), "image.png"),
         ("image-texels", "100", texture, "image.png"),
         ("line-bytes", "1K", check.to_vec(), "line 1"),
+        ("objects", "0", render(&text(&scene)), "`object`"),
+        ("entries", "0", render(&text(&scene)), "`texture`"),
+        (
+            "passes",
+            "1",
+            render(concat!(env!("CARGO_MANIFEST_DIR"), "/src/scene/bundled/vegetation-three-trees.toml")),
+            "`material[",
+        ),
+        ("layers", "99", bound.map(str::to_owned).to_vec(), "100 layers"),
     ] {
         let with = |value: &str| {
             let setting = format!("--limit={limit}={value}");

@@ -21,12 +21,13 @@ pub use adversary::adversary;
 pub use step::step;
 
 use crate::format::{ColorFormat, TargetClass};
+use crate::limit::Limits;
 use crate::model::{NumericModel, Unsupported};
 
 /// The state the bound is for.
 pub const STATE: BlendState = BlendState::ALPHA_BLENDING;
 
-/// Layers the recurrence follows at most.
+/// Layers that [`Growth::layers_within`] follows at most.
 pub const MAX_LAYERS: u32 = 10_000_000;
 
 /// A question without a proven bound.
@@ -36,8 +37,15 @@ pub enum BoundError {
     #[error("alpha {0} is outside [0, 1]; beyond it errors grow with every layer and no bound holds")]
     Alpha(f32),
     /// Too many layers.
-    #[error("{0} layers are more than {MAX_LAYERS}; the bound hardly grows any more, see its limit")]
-    Layers(u32),
+    #[error(
+        "{layers} layers are more than the limit `layers`, {limit}; the bound hardly grows any more, see its limit"
+    )]
+    Layers {
+        /// As many were asked for.
+        layers: u32,
+        /// The limit.
+        limit: u64,
+    },
     /// The model's rounding of one layer has no proven bound here.
     #[error(
         "no bound is proven for model `{model}` on {format}; use exact or f32 on any format, llvmpipe on rgba8unorm or \
@@ -152,7 +160,7 @@ impl Growth {
     }
 }
 
-/// The bound for `layers` layers of one alpha; `tolerance` in codes of an 8-bit target.
+/// The bound for `layers` layers of one alpha; `tolerance` in codes of an 8-bit target. The default limits hold.
 ///
 /// # Errors
 /// [`BoundError`].
@@ -163,8 +171,23 @@ pub fn bound(
     layers: u32,
     tolerance: f64,
 ) -> Result<Bound, BoundError> {
-    if layers > MAX_LAYERS {
-        return Err(BoundError::Layers(layers));
+    bound_within(format, model, alpha, layers, tolerance, &Limits::default())
+}
+
+/// [`bound`] within other limits.
+///
+/// # Errors
+/// [`BoundError`].
+pub fn bound_within(
+    format: ColorFormat,
+    model: &dyn NumericModel,
+    alpha: f32,
+    layers: u32,
+    tolerance: f64,
+    limits: &Limits,
+) -> Result<Bound, BoundError> {
+    if u64::from(layers) > limits.layers {
+        return Err(BoundError::Layers { layers, limit: limits.layers });
     }
     let growth = Growth::new(format, model, alpha)?;
     let error = growth.error(layers);

@@ -66,7 +66,7 @@ fn questions_without_a_proof_are_refused() {
         assert!(Growth::new(format, model(name).as_ref(), alpha).is_err(), "{name}, alpha {alpha}");
     }
     let error = bound(format, model("exact").as_ref(), 0.5, u32::MAX, 1.0).expect_err("too many layers");
-    assert!(matches!(error, BoundError::Layers(_)), "{error}");
+    assert!(matches!(error, BoundError::Layers { .. }), "{error}");
 }
 
 fn any_case() -> impl Strategy<Value = (&'static str, &'static str, f32, f32, Vec<f32>)> {

@@ -20,8 +20,6 @@ use crate::state::shaderlab::{self, Properties, PropertyValue};
 
 /// Cutoff of materials that give none.
 const DEFAULT_CUTOFF: f32 = 0.5;
-/// Passes a material may have.
-const MAX_PASSES: usize = 16;
 
 /// Built-in meshes and those of the file, with their names.
 pub(super) fn meshes(
@@ -168,12 +166,18 @@ pub(super) fn materials(
     files: &[FileMaterial],
     textures: &[FileTexture],
     field: &FieldPath,
+    limits: &Limits,
 ) -> Result<Vec<Material>, Fault> {
     distinct(field, files.iter().map(|file| file.name.as_str()))?;
-    files.iter().enumerate().map(|(i, file)| material(file, textures, &field.index(i))).collect()
+    files.iter().enumerate().map(|(i, file)| material(file, textures, &field.index(i), limits)).collect()
 }
 
-fn material(file: &FileMaterial, textures: &[FileTexture], field: &FieldPath) -> Result<Material, Fault> {
+fn material(
+    file: &FileMaterial,
+    textures: &[FileTexture],
+    field: &FieldPath,
+    limits: &Limits,
+) -> Result<Material, Fault> {
     let texture = match &file.texture {
         Some(name) => {
             let names = textures.iter().map(|texture| texture.name.as_str());
@@ -192,7 +196,7 @@ fn material(file: &FileMaterial, textures: &[FileTexture], field: &FieldPath) ->
         use Storage::{Premultiplied, Premultiplied8, Premultiplied16};
         texture.premultiplied || matches!(texture.storage, Premultiplied | Premultiplied8 | Premultiplied16)
     };
-    at_most(&field.key("pass"), file.pass.len(), MAX_PASSES)?;
+    within_limit(&field.key("pass"), "passes", file.pass.len() as u64, limits.passes)?;
     let passes = file.pass.iter().enumerate().map(|(i, pass)| self::pass(pass, i, file, &field.key("pass").index(i)));
     let passes: Vec<_> = passes.collect::<Result<_, _>>()?;
     let tagged_queue = tag(&passes, "Queue").map(|name| FileQueue::Name(name.to_owned()));

@@ -20,10 +20,6 @@ use crate::scene::raster::{MAX_SUBPIXEL_BITS, MIN_SUBPIXEL_BITS};
 use crate::state::MAX_COLOR_TARGETS;
 use crate::target::{Extent, MAX_DIMENSION};
 
-/// Objects a scene may have.
-const MAX_OBJECTS: usize = 4096;
-/// Lights, textures, meshes and materials a scene may have, each.
-const MAX_ENTRIES: usize = 256;
 /// Coordinates, distances and scales may reach this: far from where binary32 overflows.
 const MAX_LENGTH: f64 = 1e9;
 
@@ -37,14 +33,14 @@ pub(super) fn build(file: &FileScene, folder: &Path, limits: &Limits) -> Result<
         ("material", file.material.len()),
         ("model", file.model.len()),
     ] {
-        at_most(&root.key(section), count, MAX_ENTRIES)?;
+        within_limit(&root.key(section), "entries", count as u64, limits.entries)?;
     }
-    at_most(&root.key("object"), file.object.len(), MAX_OBJECTS)?;
+    within_limit(&root.key("object"), "objects", file.object.len() as u64, limits.objects)?;
     let lights = file.light.iter().enumerate().map(|(i, file)| light(file, &root.key("light").index(i)));
     let ambient = Vec3::from(finite(&root.key("ambient"), file.ambient)?);
     let (mesh_names, meshes) = appearance::meshes(&file.mesh, &root.key("mesh"), folder, limits)?;
     let textures = appearance::textures(&file.texture, &root.key("texture"), folder, limits)?;
-    let materials = appearance::materials(&file.material, &file.texture, &root.key("material"))?;
+    let materials = appearance::materials(&file.material, &file.texture, &root.key("material"), limits)?;
     let mut scene = Scene {
         title: file.title.clone(),
         explanation: file.explanation.split_whitespace().collect::<Vec<_>>().join(" "),
@@ -70,7 +66,7 @@ pub(super) fn build(file: &FileScene, folder: &Path, limits: &Limits) -> Result<
         within_limit(&field, "vertices", appearance::vertices(&scene.meshes), limits.vertices)?;
         within_limit(&field, "texture-bytes", appearance::texture_bytes(&scene.textures), limits.texture_bytes)?;
     }
-    at_most(&root.key("model"), scene.objects.len(), MAX_OBJECTS)?;
+    within_limit(&root.key("model"), "objects", scene.objects.len() as u64, limits.objects)?;
     distinct(&root.key("object"), scene.objects.iter().map(|object| object.name.as_str()))?;
     if let Some(replacement) = &file.replacement {
         scene.replacement = Some(Replacement {

@@ -57,7 +57,7 @@ pub(super) fn distinct<'a>(section: &FieldPath, names: impl Iterator<Item = &'a 
     Ok(())
 }
 
-/// Fails if there are more than `limit`.
+/// Fails if a section has more than `limit` entries.
 pub(super) fn at_most(section: &FieldPath, count: usize, limit: usize) -> Result<(), Fault> {
     if count <= limit {
         return Ok(());
