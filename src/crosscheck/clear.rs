@@ -1,11 +1,15 @@
 //! What `LoadOp::Clear` stores: drivers convert clear colors by other routines than shader outputs.
 
-use wgpu::{BufferUsages, LoadOp, Operations, StoreOp, TextureUsages};
+use wgpu::{BufferUsages, LoadOp, Operations, StoreOp, TextureFormat, TextureUsages};
+use wgpu_types::{DepthBiasState, DepthStencilState, StencilState};
 
 use super::batch::ReplayError;
 use super::device::Device;
-use super::readback::Mapping;
+use super::readback::{Mapping, Readback};
+use super::upload::Attachments;
 use crate::format::{Codes, ColorFormat};
+use crate::state::MergerState;
+use crate::target::{Extent, Framebuffer};
 
 /// Distance of two results in the buffer they are copied to: a row of a copy.
 const PITCH: u64 = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT as u64;
@@ -35,6 +39,48 @@ pub fn clear(device: &Device, format: ColorFormat, colors: &[[f64; 4]]) -> Resul
     let mut codes = Vec::with_capacity(colors.len());
     for chunk in colors.chunks(CHUNK) {
         clear_chunk(device, format, &texture, chunk, &mut codes)?;
+    }
+    Ok(codes)
+}
+
+/// The depth codes that a pass leaves which clears a depth target of `format` to each of these values, 0 to 1, and draws
+/// nothing.
+///
+/// # Errors
+/// [`ReplayError::Targets`] for no depth format, or a fault of the device.
+pub fn clear_depth(device: &Device, format: TextureFormat, values: &[f32]) -> Result<Vec<u32>, ReplayError> {
+    let state = MergerState {
+        depth_stencil: Some(DepthStencilState {
+            format,
+            depth_write_enabled: None,
+            depth_compare: None,
+            stencil: StencilState::default(),
+            bias: DepthBiasState::default(),
+        }),
+        ..MergerState::default()
+    };
+    let mut target = Framebuffer::for_state(Extent::new(1, 1).expect("one texel"), &state)?;
+    let attachments = Attachments::new(&device.device, &target);
+    let readback = Readback::new(&device.device, &target, &attachments);
+    let texture = attachments.depth_stencil.as_ref().expect("the state names one");
+    let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+    let mut codes = Vec::with_capacity(values.len());
+    for value in values {
+        let mut encoder = device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let attachment = wgpu::RenderPassDepthStencilAttachment {
+            view: &view,
+            depth_ops: Some(Operations { load: LoadOp::Clear(*value), store: StoreOp::Store }),
+            stencil_ops: None,
+        };
+        drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("clear depth"),
+            depth_stencil_attachment: Some(attachment),
+            ..wgpu::RenderPassDescriptor::default()
+        }));
+        readback.record_depth(&mut encoder, texture);
+        let submission = device.queue.submit([encoder.finish()]);
+        readback.fetch(device, submission, |bytes| readback.store(bytes, &mut target))?;
+        codes.extend(target.depth_stencil.as_ref().and_then(|depth| depth.depth().first()));
     }
     Ok(codes)
 }

@@ -83,6 +83,11 @@ pub trait NumericModel: Debug + Send + Sync {
         exact::Exact::default().merge_color(&inputs)
     }
 
+    /// The depth code that `LoadOp::Clear` stores for a depth, 0 to 1. The default rounds once, correctly.
+    fn clear_depth(&self, kind: DepthKind, z: f32) -> u32 {
+        kind.encode(z, [0.0, 1.0])
+    }
+
     /// [`merge_color`](Self::merge_color) with every intermediate number, for people.
     fn explain_color(&self, inputs: &ColorInputs) -> Explanation;
 

@@ -113,6 +113,14 @@ impl NumericModel for Llvmpipe {
         std::array::from_fn(|i| clear::code(channels[i], color[i]))
     }
 
+    /// Clears store a float as it is, where a fragment's depth loses its denormals and the sign of a zero.
+    fn clear_depth(&self, kind: DepthKind, z: f32) -> u32 {
+        match kind {
+            DepthKind::Float32 => z.to_bits(),
+            DepthKind::Unorm(_) => kind.encode(z, [0.0, 1.0]),
+        }
+    }
+
     fn explain_color(&self, inputs: &ColorInputs) -> Explanation {
         steps::explain(inputs, &self.run(inputs))
     }
