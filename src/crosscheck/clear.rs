@@ -47,7 +47,7 @@ pub fn clear(device: &Device, format: ColorFormat, colors: &[[f64; 4]]) -> Resul
 /// nothing.
 ///
 /// # Errors
-/// [`ReplayError::Targets`] for no depth format, or a fault of the device.
+/// [`ReplayError`] when the format is none of depth, or the device fails.
 pub fn clear_depth(device: &Device, format: TextureFormat, values: &[f32]) -> Result<Vec<u32>, ReplayError> {
     let state = MergerState {
         depth_stencil: Some(DepthStencilState {
