@@ -13,6 +13,7 @@ use super::level::{component_name, equal_states};
 use super::run::{Compared, Subject, Tally, compare, texel};
 use crate::crosscheck::{Destination, Device, Fragments, Input, Job, Program, ReplayError, Sweep};
 use crate::format::{Codes, ColorFormat};
+use crate::kernel::Kernel;
 use crate::model::ColorInputs;
 use crate::model::llvmpipe::integer::merge_codes8;
 use crate::state::MergerState;
@@ -96,6 +97,62 @@ impl Draw<'_> {
             src1: output(src1),
             dst,
         })
+    }
+}
+
+/// Texels of a run: destination codes 0 to 255, over which no source changes.
+const RUN: usize = 256;
+
+/// A draw's rows by a model's kernel, which is proven to be the model (`tests/kernel`) and a hundred times as fast.
+struct Rows<'a> {
+    kernel: Kernel,
+    draw: &'a Draw<'a>,
+}
+
+impl<'a> Rows<'a> {
+    /// `None` without a kernel.
+    fn new(draw: &'a Draw<'a>, subject: &Subject) -> Option<Self> {
+        let changes_in_runs = |input: &Input| match input {
+            Input::Table { divisor, modulus, .. } => *modulus > 1 && divisor % 256 != 0,
+            Input::Bits(_) | Input::Number { .. } | Input::Unorm8 { .. } => true,
+        };
+        if draw.source.iter().chain(&draw.second).any(changes_in_runs) {
+            return None;
+        }
+        let target = draw.state.targets.first()?.as_ref()?;
+        let kernel = Kernel::new(target, draw.state.dynamic.blend_constant, &*subject.model)?;
+        Some(Self { kernel, draw })
+    }
+
+    /// Whether the device's run of texels that starts at texel `start` holds the kernel's bytes.
+    fn are(&self, start: usize, got: &[u8]) -> bool {
+        let n = self.draw.first + u32::try_from(start).unwrap_or(u32::MAX);
+        let byte = |input: Input| u8::try_from(code(input, n)).unwrap_or(u8::MAX);
+        let spread = |inputs: [Input; 4]| {
+            let texel = inputs.map(byte);
+            let mut row = [0; 4 * RUN];
+            row.chunks_exact_mut(4).for_each(|bytes| bytes.copy_from_slice(&texel));
+            row
+        };
+        let mut row = [0; 4 * RUN];
+        for (n, texel) in (n..).zip(row.chunks_exact_mut(4)) {
+            let [d, alpha, ..] = n.to_le_bytes();
+            texel.copy_from_slice(&[d, d, d, alpha]);
+        }
+        let second = self.kernel.reads_second_source().then(|| spread(self.draw.second));
+        self.kernel.merge_row(
+            &spread(self.draw.source),
+            second.as_ref().map(<[u8; 4 * RUN]>::as_slice),
+            None,
+            &mut row,
+        );
+        row == got
+    }
+
+    /// Whether all of the device's texels do.
+    fn are_all(&self, got: &[u8]) -> bool {
+        let run = |i: usize| &got[4 * RUN * i..4 * RUN * (i + 1)];
+        got.len() % (4 * RUN) == 0 && compare(got.len() / (4 * RUN), |i| self.are(RUN * i, run(i))).mismatches == 0
     }
 }
 
@@ -231,7 +288,11 @@ fn draw(
         for (s, subject) in subjects.iter().enumerate() {
             if subject.exhaustive {
                 let expected = |i| draw.expected(subject, format, blend, i);
-                let compared: Compared = compare(count, |i| texel(format, got, i) == expected(i));
+                // The kernel only says that nothing differs; what does is found by the model itself.
+                let compared = match Rows::new(draw, subject) {
+                    Some(rows) if rows.are_all(got) => Compared::default(),
+                    _ => compare(count, |i| texel(format, got, i) == expected(i)),
+                };
                 tally.add(s, compared, |i| {
                     let n = draw.first + u32::try_from(i).unwrap_or(u32::MAX);
                     let codes = |inputs: [Input; 4]| inputs.map(|input| code(input, n));
@@ -269,6 +330,43 @@ mod tests {
         }
         assert!(seen.iter().all(|seen| *seen), "every pair");
         assert_eq!(stored(0x0003_ab12), [0x12, 0x12, 0x12, 0xab], "destination by number");
+    }
+
+    #[test]
+    fn rows_by_the_kernel_are_the_models_texels_and_notice_one_wrong_code() {
+        let both = |src_factor, dst_factor| {
+            let component = BlendComponent { src_factor, dst_factor, operation: wgpu_types::BlendOperation::Add };
+            BlendState { color: component, alpha: component }
+        };
+        let format = ColorFormat::new(TextureFormat::Rgba8Unorm).expect("a color format");
+        for (name, blend) in [
+            ("llvmpipe", both(BlendFactor::SrcAlpha, BlendFactor::OneMinusDstAlpha)),
+            ("llvmpipe", both(BlendFactor::Src1, BlendFactor::OneMinusSrc1Alpha)),
+            ("f32", both(BlendFactor::Constant, BlendFactor::SrcAlphaSaturated)),
+        ] {
+            let subject = Subject::new(name).expect("a model");
+            let mut state = merger_state(blend);
+            state.dynamic.blend_constant = [f32::from(77_u8) / 255.0; 4];
+            let draw = Draw {
+                state: &state,
+                source: sources(65_536, look_up(256, 256, 0)),
+                second: [look_up(256, 256, 0); 4],
+                constant: 77,
+                first: 65_536 * 5,
+            };
+            let rows = Rows::new(&draw, &subject).expect("a kernel");
+            let expected =
+                |i| draw.expected(&subject, format, &blend, i).map(|code| u8::try_from(code).expect("8 bits"));
+            let mut texels: Vec<u8> = (0..3 * 65_536).flat_map(expected).collect();
+            assert!(rows.are_all(&texels), "{name}");
+            let at = 4 * 70_000 + 2;
+            texels[at] = texels[at].wrapping_add(1);
+            assert!(!rows.are_all(&texels), "{name}: one code off");
+        }
+        let state = merger_state(both(BlendFactor::One, BlendFactor::Zero));
+        let fine = [look_up(1, 256, 0); 4];
+        let draw = Draw { state: &state, source: fine, second: fine, constant: 0, first: 0 };
+        assert!(Rows::new(&draw, &Subject::new("llvmpipe").expect("a model")).is_none(), "sources change in a run");
     }
 
     #[test]
