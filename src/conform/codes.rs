@@ -152,7 +152,8 @@ impl<'a> Rows<'a> {
     /// Whether all of the device's texels do.
     fn are_all(&self, got: &[u8]) -> bool {
         let run = |i: usize| &got[4 * RUN * i..4 * RUN * (i + 1)];
-        got.len() % (4 * RUN) == 0 && compare(got.len() / (4 * RUN), |i| self.are(RUN * i, run(i))).mismatches == 0
+        got.len().is_multiple_of(4 * RUN)
+            && compare(got.len() / (4 * RUN), |i| self.are(RUN * i, run(i))).mismatches == 0
     }
 }
 
