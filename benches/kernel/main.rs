@@ -18,6 +18,8 @@
 //! a library departs from exact arithmetic.
 
 mod cases;
+#[cfg(feature = "gpu")]
+mod driver;
 mod layers;
 mod measure;
 mod peers;
@@ -42,5 +44,11 @@ fn main() {
     }
     if wanted("layers") {
         layers::run();
+    }
+    if wanted("driver") {
+        #[cfg(feature = "gpu")]
+        driver::run();
+        #[cfg(not(feature = "gpu"))]
+        println!("\nnot run: lavapipe: built without the feature `gpu`");
     }
 }
