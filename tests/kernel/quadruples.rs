@@ -58,7 +58,7 @@ fn some_quadruples_of_codes_are_the_models() {
 }
 
 #[test]
-#[ignore = "2^32 inputs, 3 operations, 4 models: about half an hour on two cores"]
+#[ignore = "2^32 inputs, 3 operations, 4 models: half an hour or more on two cores"]
 fn every_quadruple_of_codes_is_the_models() {
     let isas = instruction_sets();
     for name in MODELS {
