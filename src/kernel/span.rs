@@ -3,6 +3,7 @@
 use crate::format::depth::DepthKind;
 use crate::fragment::Fragment;
 use crate::merger::MergerError;
+use crate::merger::depth_stencil::stencil_matters;
 use crate::model::NumericModel;
 use crate::plan::{Planned, TargetPlan};
 use crate::state::{AlphaTest, MAX_COLOR_TARGETS, MergerState};
@@ -150,7 +151,7 @@ impl<'a> SpanMerger<'a> {
         let planned = Planned::new(state, model, targets)?;
         let constant = state.dynamic.blend_constant;
         let kernel = |target: &Option<_>| target.as_ref().and_then(|target| Kernel::new(target, constant, model));
-        let tests_stencil = state.depth_stencil.as_ref().is_some_and(|state| state.stencil.is_enabled());
+        let tests_stencil = state.depth_stencil.as_ref().is_some_and(|state| stencil_matters(&state.stencil));
         let by_rows = targets.extent.samples == 1 && !state.multisample.alpha_to_coverage_enabled && !tests_stencil;
         let kernels = state.targets.iter().map(kernel).collect();
         Ok(Self { planned, state, kernels, by_rows, rows: Rows::default() })

@@ -68,6 +68,12 @@ pub fn test(
     Tested { stencil_passed, depth_passed, stored: after }
 }
 
+/// Whether a stencil state can stop a fragment or change a value. Masks of 0 switch no test off: it then compares 0 with 0.
+#[must_use]
+pub fn stencil_matters(state: &StencilState) -> bool {
+    [state.front, state.back].iter().any(|face| *face != StencilFaceState::IGNORE)
+}
+
 /// The stencil test of one face.
 #[must_use]
 pub fn stencil_passes(state: &StencilState, face: &StencilFaceState, reference: u32, stored: u8) -> bool {

@@ -4,6 +4,7 @@ use wgpu_types::{ColorWrites, CompareFunction, StencilOperation};
 
 use crate::format::DepthFormat;
 use crate::fragment::Fragment;
+use crate::merger::depth_stencil::stencil_matters;
 use crate::merger::{Fate, SampleTrace};
 use crate::model::decimal;
 use crate::scene::draw::Draw;
@@ -83,7 +84,7 @@ fn stencil(draw: &Draw, fragment: &Fragment, sample: &SampleTrace) -> Stage {
     let state = draw.state.depth_stencil.as_ref();
     let has = state.and_then(|state| DepthFormat::new(state.format).ok()).is_some_and(DepthFormat::has_stencil);
     let (Some(state), true) = (state, has) else { return off("stencil", "no stencil target") };
-    if !state.stencil.is_enabled() {
+    if !stencil_matters(&state.stencil) {
         return off("stencil", "always passes and keeps the value");
     }
     let Some((_, before, after)) = sample.depth_stencil else { return off("stencil", "not reached") };
