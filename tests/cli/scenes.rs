@@ -120,6 +120,22 @@ fn an_unwritable_place_is_an_error() {
 }
 
 #[test]
+fn the_main_job_reports_every_scene_and_every_section() {
+    let folder = TempDir::new().expect("a temporary folder");
+    let out = folder.path().join("report");
+    outmerge(&["report", "-o", out.to_str().expect("UTF-8")]).assert().success();
+    let json = std::fs::read(out.join("report.json")).expect("readable");
+    let json: serde_json::Value = serde_json::from_slice(&json).expect("JSON");
+    let scenes = outmerge::scene::Scene::bundled().len();
+    assert_eq!(json["scenes"].as_array().map(Vec::len), Some(scenes), "every bundled scene");
+    let page = std::fs::read_to_string(out.join("index.html")).expect("readable");
+    for command in ["outmerge tradeoff", "outmerge stability", "outmerge fixpoint", "outmerge texture", "outmerge plan"]
+    {
+        assert!(page.contains(command), "the section made by `{command}`");
+    }
+}
+
+#[test]
 fn a_report_is_one_page_that_needs_nothing_else() {
     let folder = TempDir::new().expect("a temporary folder");
     let out = folder.path().join("report");

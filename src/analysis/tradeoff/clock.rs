@@ -28,7 +28,7 @@ pub struct Time {
     pub state: &'static str,
     /// Nanoseconds a fragment in the reference merger, the fastest of several runs.
     pub ns_per_fragment: f64,
-    /// The same in the row kernel, sources as 8-bit codes; `None` where there is none, and the reference runs.
+    /// The same in the row kernel, sources as codes or halves; `None` where there is none, and the reference runs.
     pub kernel_ns_per_fragment: Option<f64>,
 }
 
@@ -94,13 +94,14 @@ pub fn time(
 /// Texels of a row that is timed: they stay in the nearest caches, so that this is the arithmetic.
 const ROW: u32 = 4096;
 
-/// Nanoseconds a fragment of the row kernel on random 8-bit sources; `None` where the model has none for the format.
+/// Nanoseconds a fragment of the row kernel on random sources of its width; `None` where the model has none for the format.
 fn kernel_time(model: &dyn NumericModel, format: ColorFormat, blend: BlendState, inputs: &Inputs) -> Option<f64> {
     let target = ColorTargetState { format: format.texture_format(), blend: Some(blend), write_mask: ColorWrites::ALL };
     let kernel = Kernel::new(&target, [0.0; 4], model)?;
     let unblended = |src| ColorInputs { format, blend: None, constant: [0.0; 4], src, src1: [0.0; 4], dst: [0; 4] };
-    let (mut src, mut before) = (vec![0; 4 * ROW as usize], vec![0; 4 * ROW as usize]);
-    for (i, (src, dst)) in (0..).zip(src.chunks_exact_mut(4).zip(before.chunks_exact_mut(4))) {
+    let texel = kernel.texel();
+    let (mut src, mut before) = (vec![0; texel * ROW as usize], vec![0; texel * ROW as usize]);
+    for (i, (src, dst)) in (0..).zip(src.chunks_exact_mut(texel).zip(before.chunks_exact_mut(texel))) {
         let stack = inputs.stack(Input::Random, format, &blend, i, 1);
         format.pack(Exact::default().merge_color(&unblended(stack.layers[0])), src);
         format.pack(stack.dst, dst);

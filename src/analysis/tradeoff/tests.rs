@@ -99,8 +99,13 @@ fn survey_inputs_are_the_same_in_every_run() {
 fn kernels_are_timed_where_they_run_and_count_for_the_front() {
     let models = models();
     let models: Vec<&dyn NumericModel> = models.iter().map(AsRef::as_ref).collect();
-    let times = clock::times(&models, &["rgba8unorm", "r8snorm"], &Inputs::new(1)).expect("timed");
-    for time in &times {
+    let formats = ["rgba8unorm", "r8snorm", "rgba8unorm-srgb", "rgba16float"];
+    let times = clock::times(&models, &formats, &Inputs::new(1)).expect("timed");
+    for format in ["rgba8unorm-srgb", "rgba16float"] {
+        let timed = times.iter().filter(|time| time.format == format && time.kernel_ns_per_fragment.is_some());
+        assert!(timed.count() >= 3, "{format}: over in the models with kernels");
+    }
+    for time in times.iter().filter(|time| ["rgba8unorm", "r8snorm"].contains(&time.format)) {
         let has_kernel =
             time.format == "rgba8unorm" && ["exact", "f32", "fixed:8", "llvmpipe"].contains(&time.model.as_str());
         assert_eq!(time.kernel_ns_per_fragment.is_some(), has_kernel, "{time:?}");
