@@ -15,16 +15,20 @@
 //! | store 11/10-bit float | rounded to half first, then cut ([`half`]) |
 //! | min, max, clamps | comparisons: the second operand where they do not compare |
 //! | arithmetic | denormal operands and results are zeros |
+//! | constant factors 0 and 1 | some equations are shortened before drawing (`shortcut`) |
 
 pub mod half;
+mod shortcut;
 pub mod srgb;
 
 use wgpu_types::BlendState;
 
 use super::binary32::{encode_scaled, small_to_f32};
-use super::{Arithmetic, ColorInputs, Explanation, Number, NumericModel, Unsupported, evaluate, explain};
+use super::{Arithmetic, ColorInputs, Explanation, Number, NumericModel, Unsupported};
 use crate::format::depth::DepthKind;
 use crate::format::{ChannelKind, Codes, ColorFormat, FloatLayout, TargetClass, unorm};
+use crate::merger::blend::{self, blend};
+use crate::merger::encode::encode;
 
 /// The SwiftShader model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -180,11 +184,12 @@ impl NumericModel for SwiftShader {
     }
 
     fn merge_color(&self, inputs: &ColorInputs) -> Codes {
-        evaluate(self, inputs)
+        encode(self, inputs, &shortcut::apply(inputs, blend(self, inputs)))
     }
 
     fn explain_color(&self, inputs: &ColorInputs) -> Explanation {
-        explain(self, inputs)
+        let steps = shortcut::apply(inputs, blend(self, inputs));
+        blend::explain(self, inputs, &steps, encode(self, inputs, &steps))
     }
 
     /// Fragment depth is clamped to `[0, 1]`; the viewport's range matters only with depth clamping on.

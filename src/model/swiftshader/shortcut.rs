@@ -1,0 +1,76 @@
+//! Equations that the driver shortens before it draws: nothing is multiplied by a constant 0, or by a constant 1 beside it.
+//!
+//! Only float targets can tell: no NaN, infinity or sign of a zero comes from a term that is left out.
+
+use wgpu_types::{BlendComponent, BlendFactor as F, BlendOperation as Op};
+
+use super::SwiftShader;
+use crate::format::TargetClass;
+use crate::merger::blend::Steps;
+use crate::model::{Arithmetic, ColorInputs};
+
+/// What a short equation stores.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Short {
+    Zero,
+    Source,
+    Destination,
+}
+
+fn short(component: &BlendComponent) -> Option<Short> {
+    match (component.src_factor, component.operation, component.dst_factor) {
+        (F::Zero, Op::Add | Op::Subtract | Op::ReverseSubtract, F::Zero) => Some(Short::Zero),
+        (F::One, Op::Add | Op::Subtract, F::Zero) => Some(Short::Source),
+        (F::Zero, Op::Add | Op::ReverseSubtract, F::One) => Some(Short::Destination),
+        _ => None,
+    }
+}
+
+/// Puts the results of short equations in place of the whole ones'.
+pub(super) fn apply(inputs: &ColorInputs, mut steps: Steps<f32>) -> Steps<f32> {
+    let class = inputs.format.class();
+    let Some(blend) = inputs.blend.filter(|_| class == TargetClass::Float) else { return steps };
+    for i in 0..4 {
+        let value = match short(if i == 3 { &blend.alpha } else { &blend.color }) {
+            None => continue,
+            Some(Short::Zero) => 0.0,
+            Some(Short::Source) => steps.operands.src[i],
+            Some(Short::Destination) => steps.operands.dst[i],
+        };
+        steps.result[i] = value;
+        steps.clamped[i] = SwiftShader.clamp(&value, class);
+    }
+    steps
+}
+
+#[cfg(test)]
+mod tests {
+    use wgpu_types::BlendState;
+
+    use super::*;
+    use crate::format::ColorFormat;
+    use crate::model::NumericModel;
+
+    #[test]
+    fn terms_with_constant_factors_leave_neither_signs_nor_nans() {
+        let format = ColorFormat::from_name("rgba16float").expect("a format");
+        let stored = |src_factor, operation, dst_factor, src: f32, dst: u32| {
+            let both = BlendComponent { src_factor, operation, dst_factor };
+            let inputs = ColorInputs {
+                format,
+                blend: Some(BlendState { color: both, alpha: both }),
+                constant: [0.0; 4],
+                src: [src; 4],
+                src1: [0.0; 4],
+                dst: [dst; 4],
+            };
+            assert_eq!(SwiftShader.explain_color(&inputs).codes, SwiftShader.merge_color(&inputs), "explained alike");
+            SwiftShader.merge_color(&inputs)[0]
+        };
+        // Stored by the driver (`conform --level exhaustive`, units blend/rgba16float/zero and /one).
+        assert_eq!(stored(F::Zero, Op::Add, F::Zero, -0.000_860_227_56, 0xb4f8), 0, "no negative zero");
+        assert_eq!(stored(F::One, Op::Add, F::Zero, -1e-40, 0x0136), 0x8000, "the source's own sign");
+        assert_eq!(stored(F::Zero, Op::Add, F::One, f32::NAN, 0x3c00), 0x3c00, "no NaN of the source");
+        assert_eq!(stored(F::Zero, Op::ReverseSubtract, F::One, f32::INFINITY, 0xc400), 0xc400, "nor infinity");
+    }
+}
