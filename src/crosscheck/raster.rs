@@ -12,7 +12,7 @@
 //! are covered differently.
 
 use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState, ColorTargetState, ColorWrites, TextureFormat};
-use wgpu::{BufferUsages, VertexFormat};
+use wgpu::{BufferUsages, DepthStencilState, VertexFormat};
 
 use super::batch::ReplayError;
 use super::device::Device;
@@ -20,6 +20,7 @@ use super::painter::begin;
 use super::readback::Readback;
 use super::upload::Attachments;
 use crate::scene::draw::{SceneVertex, VARYINGS};
+use crate::scene::number::u32_to_f32;
 use crate::scene::raster::RasterState;
 use crate::state::MergerState;
 use crate::target::{ColorTarget, Framebuffer};
@@ -82,8 +83,30 @@ pub fn rasterise(
     let sum = BlendState { color: one, alpha: one };
     let targets =
         [target(wide, None), target(wide, None), target(wide, None), target(TextureFormat::R32Float, Some(sum))];
-    let initial =
-        Framebuffer::for_state(state.extent, &MergerState { targets: targets.to_vec(), ..MergerState::default() })?;
+    let color = MergerState { targets: targets.to_vec(), ..MergerState::default() };
+    Ok(decode(&draw(device, triangles, state, &color)?))
+}
+
+/// Draws the triangles in order into a depth target by `depth_stencil`, depth bias included, and gives the target.
+///
+/// # Errors
+/// [`ReplayError`].
+pub fn rasterise_depth(
+    device: &Device,
+    triangles: &[[SceneVertex; 3]],
+    state: &RasterState,
+    depth_stencil: DepthStencilState,
+) -> Result<Framebuffer, ReplayError> {
+    draw(device, triangles, state, &MergerState { depth_stencil: Some(depth_stencil), ..MergerState::default() })
+}
+
+fn draw(
+    device: &Device,
+    triangles: &[[SceneVertex; 3]],
+    state: &RasterState,
+    merger: &MergerState,
+) -> Result<Framebuffer, ReplayError> {
+    let initial = Framebuffer::for_state(state.extent, merger)?;
     let gpu = &device.device;
     let attachments = Attachments::new(gpu, &initial);
     attachments.upload(&device.queue, &initial);
@@ -92,7 +115,10 @@ pub fn rasterise(
     if !triangles.is_empty() {
         let vertices = vertex_buffer(device, triangles);
         let mut pass = begin(&mut encoder, &attachments);
-        pass.set_pipeline(&pipeline(gpu, state, &targets));
+        let [near, far] = state.depth_range;
+        let [width, height] = [state.extent.width, state.extent.height].map(u32_to_f32);
+        pass.set_viewport(0.0, 0.0, width, height, near, far);
+        pass.set_pipeline(&pipeline(gpu, state, merger));
         pass.set_vertex_buffer(0, vertices.slice(..));
         pass.draw(0..u32::try_from(3 * triangles.len()).unwrap_or(u32::MAX), 0..1);
     }
@@ -100,7 +126,7 @@ pub fn rasterise(
     let submission = device.queue.submit([encoder.finish()]);
     let mut result = initial;
     readback.fetch(device, submission, |bytes| readback.store(bytes, &mut result))?;
-    Ok(decode(&result))
+    Ok(result)
 }
 
 fn vertex_buffer(device: &Device, triangles: &[[SceneVertex; 3]]) -> wgpu::Buffer {
@@ -120,7 +146,7 @@ fn vertex_buffer(device: &Device, triangles: &[[SceneVertex; 3]]) -> wgpu::Buffe
     buffer
 }
 
-fn pipeline(gpu: &wgpu::Device, state: &RasterState, targets: &[Option<ColorTargetState>]) -> wgpu::RenderPipeline {
+fn pipeline(gpu: &wgpu::Device, state: &RasterState, merger: &MergerState) -> wgpu::RenderPipeline {
     let module = gpu.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("rasteriser probe"),
         source: wgpu::ShaderSource::Wgsl(SHADER.into()),
@@ -144,13 +170,13 @@ fn pipeline(gpu: &wgpu::Device, state: &RasterState, targets: &[Option<ColorTarg
             })],
         },
         primitive: state.primitive,
-        depth_stencil: None,
+        depth_stencil: merger.depth_stencil.clone(),
         multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
+        fragment: (!merger.targets.is_empty()).then(|| wgpu::FragmentState {
             module: &module,
             entry_point: Some("record"),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets,
+            targets: &merger.targets,
         }),
         multiview_mask: None,
         cache: None,

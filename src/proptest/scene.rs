@@ -16,6 +16,7 @@ use crate::scene::camera::{Camera, Projection};
 use crate::scene::description::{ColorSpec, DepthSpec, Display, Object, Order, Output, TargetSpec};
 use crate::scene::material::{Light, Lighting, Material, Pass, RenderingMode, Shading};
 use crate::scene::mesh::Mesh;
+use crate::scene::raster::Rasteriser;
 use crate::target::Extent;
 
 /// Width and height of the target in texels.
@@ -73,6 +74,7 @@ fn target() -> impl Strategy<Value = TargetSpec> {
             depth: depth.map(|format| DepthSpec { format, clear: 1.0, clear_stencil: 0 }),
             display: Display::Stored,
             subpixel_bits: 8,
+            rasteriser: Rasteriser::Reference,
         },
     )
 }

@@ -8,6 +8,7 @@ use super::material::{Lighting, Material};
 use super::mesh::Mesh;
 use super::number::f64_to_f32;
 use super::queue::SortKey;
+use super::raster::Rasteriser;
 use super::texture::Texture;
 use crate::format::ColorFormat;
 use crate::target::Extent;
@@ -71,6 +72,8 @@ pub struct TargetSpec {
     pub display: Display,
     /// Bits of a pixel's grid that vertices are snapped to, 4 to 8: Vulkan's `subPixelPrecisionBits`.
     pub subpixel_bits: u8,
+    /// Whose clipping and interpolation.
+    pub rasteriser: Rasteriser,
 }
 
 /// One color target.

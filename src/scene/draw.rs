@@ -127,6 +127,7 @@ impl Scene {
             bias: pass.state.depth_bias,
             depth: depth.and_then(|format| DepthFormat::new(format).ok()).and_then(DepthFormat::depth),
             subpixel_bits: self.target.subpixel_bits,
+            rasteriser: self.target.rasteriser,
         };
         Draw {
             object: item.name.clone(),

@@ -17,7 +17,7 @@ pub mod import;
 pub mod layer;
 pub mod material;
 pub mod mesh;
-mod number;
+pub(crate) mod number;
 pub mod planned;
 pub mod queue;
 pub mod raster;

@@ -2,9 +2,15 @@
 
 use outmerge::Extent;
 use outmerge::crosscheck::Device;
-use outmerge::crosscheck::raster::{Covered, rasterise};
+use outmerge::crosscheck::raster::{Covered, rasterise, rasterise_depth};
+use outmerge::format::depth::{DepthFormat, DepthKind};
+use outmerge::model::NumericModel;
+use outmerge::model::llvmpipe::Llvmpipe;
 use outmerge::scene::draw::{SceneVertex, VARYINGS};
-use outmerge::scene::raster::{RasterState, assemble};
+use outmerge::scene::raster::{RasterState, Rasteriser, Span, assemble};
+use wgpu_types::{
+    CompareFunction, DepthBiasState, DepthStencilState, Face, FrontFace, PrimitiveState, StencilState, TextureFormat,
+};
 
 use crate::harness::llvmpipe;
 use crate::scenes;
@@ -117,6 +123,20 @@ impl std::fmt::Display for Difference {
 fn compare(device: &Device, triangles: &[[SceneVertex; 3]], state: &RasterState, total: &mut Difference) {
     let got = rasterise(device, triangles, state).unwrap_or_else(|error| panic!("{error}"));
     total.add(&predict(triangles, state), &got);
+    expect_bits(triangles, state, &got);
+}
+
+/// Counts, depths, facing and varyings must have the bits of the driver's own rasteriser.
+fn expect_bits(triangles: &[[SceneVertex; 3]], state: &RasterState, got: &[Covered]) {
+    let own = RasterState { rasteriser: Rasteriser::Llvmpipe, ..*state };
+    for (i, (model, device)) in predict(triangles, &own).iter().zip(got).enumerate() {
+        let model = &model.covered;
+        let bits = |covered: &Covered| {
+            let varyings = covered.varyings.map(f32::to_bits);
+            (covered.count, covered.front_facing, covered.depth.to_bits(), varyings)
+        };
+        assert!(bits(model) == bits(device), "texel {i}, {state:?}: expected {model:?}, got {device:?}");
+    }
 }
 
 /// A fixed sequence of numbers in [0, 1).
@@ -189,6 +209,7 @@ fn scenes_are_covered_alike_and_interpolated_within_a_sub_pixel() {
         for draw in scene.draws() {
             let got = rasterise(device, &draw.triangles, &draw.raster).unwrap_or_else(|error| panic!("{error}"));
             let predicted = predict(&draw.triangles, &draw.raster);
+            expect_bits(&draw.triangles, &draw.raster, &got);
             total.add(&predicted, &got);
             all.add(&predicted, &got);
         }
@@ -200,4 +221,70 @@ fn scenes_are_covered_alike_and_interpolated_within_a_sub_pixel() {
     }
     println!("all: {all}");
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn culling_and_depth_ranges_are_the_devices_to_the_bit() {
+    let Some(device) = llvmpipe() else { return };
+    let mut numbers = Numbers(3);
+    let extent = Extent::new(96, 80).expect("a legal extent");
+    for front_face in [FrontFace::Ccw, FrontFace::Cw] {
+        for cull_mode in [None, Some(Face::Front), Some(Face::Back)] {
+            for depth_range in [[0.0, 1.0], [0.25, 0.3], [0.9, 1.0]] {
+                let primitive = PrimitiveState { front_face, cull_mode, ..PrimitiveState::default() };
+                let state = RasterState { primitive, depth_range, ..RasterState::new(extent) };
+                for reach in [1.0, 3.0] {
+                    let triangles: Vec<_> = (0..40).map(|_| numbers.triangle(reach, true, reach > 2.0)).collect();
+                    let got = rasterise(device, &triangles, &state).unwrap_or_else(|error| panic!("{error}"));
+                    assert!(got.iter().any(|texel| texel.count > 0), "something is drawn");
+                    expect_bits(&triangles, &state, &got);
+                }
+            }
+        }
+    }
+}
+
+/// What the depth target holds in the end, by the driver's rasteriser and its model's depth codes.
+fn depth_codes(triangles: &[[SceneVertex; 3]], state: &RasterState, kind: DepthKind) -> Vec<u32> {
+    let own = RasterState { rasteriser: Rasteriser::Llvmpipe, depth: Some(kind), ..*state };
+    let model = Llvmpipe::default();
+    let mut codes = vec![0; state.extent.sample_total()];
+    for primitive in triangles.iter().flat_map(|triangle| assemble(*triangle, &own)) {
+        for Span { y, start, end } in primitive.spans() {
+            for x in start..end {
+                codes[state.extent.index(x, y, 0)] = model.depth_code(kind, primitive.depth(x, y), state.depth_range);
+            }
+        }
+    }
+    codes
+}
+
+#[test]
+fn interpolated_and_biased_depth_is_stored_as_the_device_does_to_the_bit() {
+    let Some(device) = llvmpipe() else { return };
+    let mut numbers = Numbers(4);
+    let biases =
+        [(0, 0.0, 0.0), (5, 0.0, 0.0), (-9, 1.5, 0.0), (1000, -2.0, 0.001), (-70, -3.0, -0.002), (0, 1.0, 0.0)];
+    for format in [TextureFormat::Depth16Unorm, TextureFormat::Depth24Plus, TextureFormat::Depth32Float] {
+        let kind = DepthFormat::new(format).ok().and_then(DepthFormat::depth).expect("a depth format");
+        for (constant, slope_scale, clamp) in biases {
+            let bias = DepthBiasState { constant, slope_scale, clamp };
+            let state = RasterState { bias, ..RasterState::new(Extent::new(100, 60).expect("a legal extent")) };
+            let triangles: Vec<_> = (0..60).map(|i| numbers.triangle(1.5, true, i % 2 == 0)).collect();
+            let depth_stencil = DepthStencilState {
+                format,
+                depth_write_enabled: Some(true),
+                depth_compare: Some(CompareFunction::Always),
+                stencil: StencilState::default(),
+                bias,
+            };
+            let got =
+                rasterise_depth(device, &triangles, &state, depth_stencil).unwrap_or_else(|error| panic!("{error}"));
+            let got = got.depth_stencil.as_ref().expect("a depth target").depth().to_vec();
+            let expected = depth_codes(&triangles, &state, kind);
+            let wrong = expected.iter().zip(&got).filter(|(a, b)| a != b).count();
+            let first = expected.iter().zip(&got).find(|(a, b)| a != b);
+            assert_eq!(wrong, 0, "{format:?}, {bias:?}: of {} texels; first {first:?}", got.len());
+        }
+    }
 }

@@ -15,6 +15,7 @@
 //! | store 11/10-bit float | rounded to half first, then cut ([`half`]) |
 //! | min, max, clamps | comparisons: the second operand where they do not compare |
 //! | arithmetic | denormal operands and results are zeros |
+//! | NaN | 0 from the shader and in unorm stores; the largest code after the sRGB curve, where a blend constant brought it |
 //! | constant factors 0 and 1 | some equations are shortened before drawing (`shortcut`) |
 
 pub mod half;
@@ -27,7 +28,7 @@ use super::binary32::{encode_scaled, small_to_f32};
 use super::{Arithmetic, ColorInputs, Explanation, Number, NumericModel, Unsupported};
 use crate::format::depth::DepthKind;
 use crate::format::{ChannelKind, Codes, ColorFormat, FloatLayout, TargetClass, unorm};
-use crate::merger::blend::{self, blend};
+use crate::merger::blend::{self, Steps, blend};
 use crate::merger::encode::encode;
 
 /// The SwiftShader model.
@@ -137,8 +138,10 @@ impl Arithmetic for SwiftShader {
         higher(*x, *y)
     }
 
+    /// A NaN is left to the store: on sRGB channels the curve comes first.
     fn clamp(&self, x: &f32, class: TargetClass) -> f32 {
         match class {
+            TargetClass::Unorm if x.is_nan() => *x,
             TargetClass::Float => *x,
             TargetClass::Unorm => unit(*x),
             TargetClass::Snorm => lower(higher(*x, -1.0), 1.0),
@@ -149,12 +152,22 @@ impl Arithmetic for SwiftShader {
         match kind {
             ChannelKind::Srgb => encode_scaled(unit(srgb::encode(*x)), ChannelKind::Unorm(8), |x, steps| x * steps),
             ChannelKind::Float(layout) => half::encode(layout, *x),
+            ChannelKind::Unorm(_) => encode_scaled(unit(*x), kind, |x, steps| x * steps),
             _ => encode_scaled(*x, kind, |x, steps| x * steps),
         }
     }
 
     fn describe(&self, x: &f32) -> Number {
         Number::binary(f64::from(*x))
+    }
+}
+
+impl SwiftShader {
+    fn stored(&self, inputs: &ColorInputs, steps: &Steps<f32>) -> Codes {
+        match inputs.blend {
+            Some(blend) if shortcut::keeps_destination(&blend) => self.rewrite_untouched(inputs.format, inputs.dst),
+            _ => encode(self, inputs, steps),
+        }
     }
 }
 
@@ -184,12 +197,12 @@ impl NumericModel for SwiftShader {
     }
 
     fn merge_color(&self, inputs: &ColorInputs) -> Codes {
-        encode(self, inputs, &shortcut::apply(inputs, blend(self, inputs)))
+        self.stored(inputs, &shortcut::apply(inputs, blend(self, inputs)))
     }
 
     fn explain_color(&self, inputs: &ColorInputs) -> Explanation {
         let steps = shortcut::apply(inputs, blend(self, inputs));
-        blend::explain(self, inputs, &steps, encode(self, inputs, &steps))
+        blend::explain(self, inputs, &steps, self.stored(inputs, &steps))
     }
 
     /// Fragment depth is clamped to `[0, 1]`; the viewport's range matters only with depth clamping on.
@@ -227,6 +240,31 @@ mod tests {
         assert_eq!(repeat_to_16(0x201, 10), 0x8060, "0x201 << 6 | 0x201 >> 4");
         assert_eq!([0, 1, 2, 3].map(|code| repeat_to_16(code, 2)), [0, 0x5555, 0xaaaa, 0xffff], "2 bits eight times");
         assert_eq!(repeat_to_16(0x1234, 16), 0x1234, "16 bits as they are");
+    }
+
+    /// Stored by the driver (`conform --level exhaustive`, unit blend/rgba8unorm-srgb/zero).
+    #[test]
+    fn a_nan_constant_becomes_the_largest_srgb_code_and_a_unorm_0() {
+        use wgpu_types::{BlendComponent, BlendFactor, BlendOperation};
+
+        let both = BlendComponent {
+            src_factor: BlendFactor::Zero,
+            dst_factor: BlendFactor::Constant,
+            operation: BlendOperation::Add,
+        };
+        let stored = |format, src| {
+            SwiftShader.merge_color(&ColorInputs {
+                format: ColorFormat::from_name(format).expect("a format"),
+                blend: Some(BlendState { color: both, alpha: both }),
+                constant: [f32::NAN, 0.361_641_65, 0.823_628, 0.293_252_2],
+                src: [src; 4],
+                src1: [0.0; 4],
+                dst: [0xe0, 0x70, 0x51, 0x96],
+            })
+        };
+        assert_eq!(stored("rgba8unorm-srgb", 0.5), [0xff, 0x44, 0x4a, 0x2c]);
+        assert_eq!(stored("rgba8unorm-srgb", f32::NAN), [0xff, 0x44, 0x4a, 0x2c]);
+        assert_eq!(stored("rgba8unorm", 0.5)[0], 0);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //!
 //! Only float targets can tell: no NaN, infinity or sign of a zero comes from a term that is left out.
 
-use wgpu_types::{BlendComponent, BlendFactor as F, BlendOperation as Op};
+use wgpu_types::{BlendComponent, BlendFactor as F, BlendOperation as Op, BlendState};
 
 use super::SwiftShader;
 use crate::format::TargetClass;
@@ -26,6 +26,11 @@ fn short(component: &BlendComponent) -> Option<Short> {
     }
 }
 
+/// Whether the driver writes nothing at all: both equations keep the destination.
+pub(super) fn keeps_destination(blend: &BlendState) -> bool {
+    [blend.color, blend.alpha].iter().all(|component| short(component) == Some(Short::Destination))
+}
+
 /// Puts the results of short equations in place of the whole ones'.
 pub(super) fn apply(inputs: &ColorInputs, mut steps: Steps<f32>) -> Steps<f32> {
     let class = inputs.format.class();
@@ -45,20 +50,16 @@ pub(super) fn apply(inputs: &ColorInputs, mut steps: Steps<f32>) -> Steps<f32> {
 
 #[cfg(test)]
 mod tests {
-    use wgpu_types::BlendState;
-
     use super::*;
     use crate::format::ColorFormat;
     use crate::model::NumericModel;
 
     #[test]
     fn terms_with_constant_factors_leave_neither_signs_nor_nans() {
-        let format = ColorFormat::from_name("rgba16float").expect("a format");
-        let stored = |src_factor, operation, dst_factor, src: f32, dst: u32| {
-            let both = BlendComponent { src_factor, operation, dst_factor };
+        let stored_in = |format, [color, alpha]: [BlendComponent; 2], src: f32, dst: u32| {
             let inputs = ColorInputs {
-                format,
-                blend: Some(BlendState { color: both, alpha: both }),
+                format: ColorFormat::from_name(format).expect("a format"),
+                blend: Some(BlendState { color, alpha }),
                 constant: [0.0; 4],
                 src: [src; 4],
                 src1: [0.0; 4],
@@ -67,10 +68,17 @@ mod tests {
             assert_eq!(SwiftShader.explain_color(&inputs).codes, SwiftShader.merge_color(&inputs), "explained alike");
             SwiftShader.merge_color(&inputs)[0]
         };
+        let stored = |src_factor, operation, dst_factor, src, dst| {
+            stored_in("rgba16float", [BlendComponent { src_factor, operation, dst_factor }; 2], src, dst)
+        };
         // Stored by the driver (`conform --level exhaustive`, units blend/rgba16float/zero and /one).
         assert_eq!(stored(F::Zero, Op::Add, F::Zero, -0.000_860_227_56, 0xb4f8), 0, "no negative zero");
         assert_eq!(stored(F::One, Op::Add, F::Zero, -1e-40, 0x0136), 0x8000, "the source's own sign");
         assert_eq!(stored(F::Zero, Op::Add, F::One, f32::NAN, 0x3c00), 0x3c00, "no NaN of the source");
         assert_eq!(stored(F::Zero, Op::ReverseSubtract, F::One, f32::INFINITY, 0xc400), 0xc400, "nor infinity");
+        // Only both equations together keep a NaN, which no small float can be stored as.
+        let keep = BlendComponent { src_factor: F::Zero, operation: Op::Add, dst_factor: F::One };
+        assert_eq!(stored_in("rg11b10ufloat", [keep; 2], 0.5, 0x7ff), 0x7ff, "nothing is written");
+        assert_eq!(stored_in("rg11b10ufloat", [keep, BlendComponent::REPLACE], 0.5, 0x7ff), 0, "red is stored again");
     }
 }

@@ -114,7 +114,7 @@ fn target(file: &FileTarget, field: &FieldPath, limits: &Limits) -> Result<Targe
     within_limit(field, "target-bytes", (texel as u64) * (extent.sample_total() as u64), limits.target_bytes)?;
     let bits = file.subpixel_bits.unwrap_or(MAX_SUBPIXEL_BITS);
     let subpixel_bits = within(&field.key("subpixel-bits"), bits, MIN_SUBPIXEL_BITS..=MAX_SUBPIXEL_BITS)?;
-    Ok(TargetSpec { extent, colors, depth, display: file.display, subpixel_bits })
+    Ok(TargetSpec { extent, colors, depth, display: file.display, subpixel_bits, rasteriser: file.rasteriser })
 }
 
 fn depth_format(name: &str, field: &FieldPath) -> Result<TextureFormat, Fault> {

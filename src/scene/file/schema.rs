@@ -7,6 +7,7 @@ use wgpu_types::{AddressMode, FilterMode, MipmapFilterMode};
 
 use crate::scene::description::{Display, Order, Output, Reference};
 use crate::scene::material::{RenderingMode, Shader};
+use crate::scene::raster::Rasteriser;
 use crate::scene::texture::{ColorSpace, Pattern, Storage};
 
 /// A whole file.
@@ -62,6 +63,8 @@ pub(super) struct FileTarget {
     #[serde(default)]
     pub(super) display: Display,
     pub(super) subpixel_bits: Option<u8>,
+    #[serde(default)]
+    pub(super) rasteriser: Rasteriser,
 }
 
 /// `[[target.color]]`.

@@ -16,6 +16,9 @@ impl<const N: usize> Primitive<N> {
     /// vertices' depth where all three share one. Not clamped.
     #[must_use]
     pub fn depth(&self, x: u32, y: u32) -> f32 {
+        if let Some(planes) = &self.planes {
+            return planes.depth(x, y);
+        }
         let [_, l1, l2] = self.weights(x, y);
         let [z0, z1, z2] = self.corners.map(|corner| f64::from(corner.depth));
         let depth = f64_to_f32(z0 + l1 * (z1 - z0) + l2 * (z2 - z0));
@@ -26,6 +29,9 @@ impl<const N: usize> Primitive<N> {
     /// Varyings, perspective-correct: `sum(l_i v_i / w_i) / sum(l_i / w_i)`, terms summed in vertex order.
     #[must_use]
     pub fn varyings(&self, x: u32, y: u32) -> [f32; N] {
+        if let Some(planes) = &self.planes {
+            return planes.varyings(x, y);
+        }
         let weights = self.weights(x, y);
         let [p0, p1, p2] = std::array::from_fn(|i| weights[i] * f64::from(self.corners[i].inverse_w));
         let sum = p0 + p1 + p2;

@@ -12,12 +12,15 @@
 //! 5. [`interpolate`]: depth linear in screen space, varyings perspective-correct, both in binary64 and rounded to
 //!    binary32 once; [`bias`] adds the depth bias.
 //!
+//! [`llvmpipe`] has that driver's clipping, interpolation and bias instead.
+//!
 //! Sources: WebGPU, *Rasterization*; Vulkan, *Rasterization / Basic Polygon Rasterization*; D3D11.3 3.4.
 
 pub mod bias;
 pub mod clip;
 pub mod edge;
 pub mod interpolate;
+pub mod llvmpipe;
 pub mod setup;
 #[cfg(test)]
 mod tests;
@@ -48,6 +51,19 @@ pub struct Vertex<const N: usize> {
     pub varyings: [f32; N],
 }
 
+/// Whose clipping and interpolation. Snapping, facing and coverage by the top-left rule are everybody's.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Rasteriser {
+    /// This module's own: a wide guard band, binary64, the triangle as it is snapped.
+    #[default]
+    Reference,
+    /// [`llvmpipe`]'s, bit for bit, on a processor with fused multiply-add instructions.
+    Llvmpipe,
+    /// The same on a processor without them.
+    LlvmpipeUnfused,
+}
+
 /// What rasterisation is told about one draw. The viewport is the whole target.
 #[derive(Clone, Copy, Debug)]
 pub struct RasterState {
@@ -64,10 +80,12 @@ pub struct RasterState {
     /// Positions are snapped to `2^-bits` of a pixel, [`MIN_SUBPIXEL_BITS`] to [`MAX_SUBPIXEL_BITS`]; values beyond count
     /// as the nearer of the two.
     pub subpixel_bits: u8,
+    /// Whose rules.
+    pub rasteriser: Rasteriser,
 }
 
 impl RasterState {
-    /// Both faces, depth range `[0, 1]`, no bias, no depth attachment, 8 sub-pixel bits.
+    /// Both faces, depth range `[0, 1]`, no bias, no depth attachment, 8 sub-pixel bits, the reference rasteriser.
     #[must_use]
     pub fn new(extent: Extent) -> Self {
         Self {
@@ -77,6 +95,7 @@ impl RasterState {
             bias: DepthBiasState::default(),
             depth: None,
             subpixel_bits: MAX_SUBPIXEL_BITS,
+            rasteriser: Rasteriser::default(),
         }
     }
 }
@@ -84,7 +103,16 @@ impl RasterState {
 /// The parts of one triangle that may cover pixels: none, one, or a fan where clipping cut it.
 #[must_use]
 pub fn assemble<const N: usize>(triangle: [Vertex<N>; 3], state: &RasterState) -> Vec<Primitive<N>> {
-    let polygon = clip::clip(triangle, state);
-    let Some((first, rest)) = polygon.split_first() else { return Vec::new() };
-    rest.windows(2).filter_map(|pair| Primitive::new([*first, pair[0], pair[1]], state)).collect()
+    match state.rasteriser {
+        Rasteriser::Reference => {
+            fan(&clip::clip(triangle, state)).filter_map(|part| Primitive::new(part, state)).collect()
+        }
+        Rasteriser::Llvmpipe => llvmpipe::assemble(triangle, state, true),
+        Rasteriser::LlvmpipeUnfused => llvmpipe::assemble(triangle, state, false),
+    }
+}
+
+/// The triangles of a convex polygon, around its first vertex.
+fn fan<V: Copy>(polygon: &[V]) -> impl Iterator<Item = [V; 3]> {
+    polygon.get(1..).unwrap_or_default().windows(2).map(|pair| [polygon[0], pair[0], pair[1]])
 }

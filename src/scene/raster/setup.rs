@@ -3,6 +3,7 @@
 use wgpu_types::{Face, FrontFace};
 
 use super::edge::{self, Edge, Span};
+use super::llvmpipe::Planes;
 use super::{MAX_SUBPIXEL_BITS, MIN_SUBPIXEL_BITS, RasterState, SUBPIXELS, Vertex, bias};
 use crate::scene::number::{f64_to_f32, f64_to_i64, i64_to_f64, u32_to_f32};
 
@@ -17,6 +18,10 @@ pub struct Primitive<const N: usize> {
     pub(super) corners: [Corner<N>; 3],
     /// Depth bias, added to every depth.
     pub(super) bias: f32,
+    /// Interpolation by planes instead of weights.
+    pub(super) planes: Option<Planes<N>>,
+    /// Whether the second and third vertex changed places.
+    swapped: bool,
     front_facing: bool,
     size: [u32; 2],
 }
@@ -43,12 +48,13 @@ impl<const N: usize> Corner<N> {
         let fused = |a: f32, b: f32| f64_to_f32(f64::from(a) * f64::from(b) + f64::from(b));
         let window = [fused(x * inverse_w, half[0]), fused(-(y * inverse_w), half[1])];
         let [near, far] = state.depth_range;
-        Self {
-            position: window.map(|p| snap(p, state.subpixel_bits)),
-            depth: z * inverse_w * (far - near) + near,
-            inverse_w,
-            varyings: vertex.varyings,
-        }
+        let depth = z * inverse_w * (far - near) + near;
+        Self::in_window([window[0], window[1], depth, inverse_w], vertex.varyings, state)
+    }
+
+    /// Snaps a vertex at `x`, `y` (in pixels, y down), `depth` and `1/w`.
+    pub(super) fn in_window([x, y, depth, inverse_w]: [f32; 4], varyings: [f32; N], state: &RasterState) -> Self {
+        Self { position: [x, y].map(|p| snap(p, state.subpixel_bits)), depth, inverse_w, varyings }
     }
 
     /// Whether the division went well: `z` or `1/w` may overflow for a `w` next to 0.
@@ -74,7 +80,10 @@ fn snap(position: f32, bits: u8) -> i64 {
 impl<const N: usize> Primitive<N> {
     /// Sets a clipped triangle up; `None` when it has no area, is culled or its division overflows.
     pub(super) fn new(triangle: [Vertex<N>; 3], state: &RasterState) -> Option<Self> {
-        let mut corners = triangle.map(|vertex| Corner::new(&vertex, state));
+        Self::from_corners(triangle.map(|vertex| Corner::new(&vertex, state)), state)
+    }
+
+    pub(super) fn from_corners(mut corners: [Corner<N>; 3], state: &RasterState) -> Option<Self> {
         if corners.iter().any(|corner| !corner.is_usable()) {
             return None;
         }
@@ -95,11 +104,21 @@ impl<const N: usize> Primitive<N> {
             area: signed.abs(),
             corners,
             bias: 0.0,
+            planes: None,
+            swapped: signed < 0,
             front_facing,
             size: [state.extent.width, state.extent.height],
         };
         primitive.bias = bias::offset(&primitive, state);
         Some(primitive)
+    }
+
+    pub(super) fn swapped(&self) -> bool {
+        self.swapped
+    }
+
+    pub(super) fn set_planes(&mut self, planes: Planes<N>) {
+        self.planes = Some(planes);
     }
 
     /// Whether the triangle faces the viewer.
