@@ -2,14 +2,15 @@
 //! [`crate::scene::raster`] (feature `scene`).
 //!
 //! Measured on llvmpipe (Mesa 22.3.6) by `cargo test --all-features --test crosscheck raster -- --nocapture`, all
-//! bundled and example scenes, 1.28 million texels: every texel is covered equally often and faces alike. Of the depths
-//! 77 % have the same bits, the mean difference is 4e-8, the largest 3.3e-5; of the varyings (between -11 and 8) 44 %,
-//! 6e-6 and 6e-3. The large differences lie on steep slivers: llvmpipe interpolates from vertices as they are, the model
-//! from vertices snapped to the grid, as D3D11.3 3.4.1 has it. Evaluated at most one sub-pixel (1/256 of a pixel) away,
-//! the depths agree to the last bit of the difference and the varyings to 1.1e-6 of their size (or of 1).
+//! bundled and example scenes and random triangles, cut ones among them: [`Rasteriser::Llvmpipe`] has the bits of every
+//! count, facing, depth and varying, and with its driver's model those of biased and stored depth codes.
 //!
-//! Triangles that leave the target are cut by llvmpipe at its edges and snapped again; up to 6 in 10000 of their texels
-//! are covered differently.
+//! The reference rasteriser covers every texel of the scenes equally often and faces alike. Of its depths 77 % have the
+//! same bits, the mean difference is 4e-8, the largest 3.3e-5; of its varyings (between -11 and 8) 44 %, 6e-6 and 6e-3. The
+//! large differences lie on steep slivers: llvmpipe interpolates from vertices as they are, the reference from vertices
+//! snapped to the grid, as D3D11.3 3.4.1 has it. Evaluated at most one sub-pixel (1/256 of a pixel) away, the depths agree
+//! to the last bit of the difference and the varyings to 1.1e-6 of their size (or of 1). Triangles that leave the target
+//! are cut by llvmpipe at its edges and snapped again; up to 6 in 10000 of their texels are covered differently.
 
 use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState, ColorTargetState, ColorWrites, TextureFormat};
 use wgpu::{BufferUsages, DepthStencilState, VertexFormat};
@@ -21,9 +22,25 @@ use super::readback::Readback;
 use super::upload::Attachments;
 use crate::scene::draw::{SceneVertex, VARYINGS};
 use crate::scene::number::u32_to_f32;
-use crate::scene::raster::RasterState;
+use crate::scene::raster::{RasterState, Rasteriser};
 use crate::state::MergerState;
 use crate::target::{ColorTarget, Framebuffer};
+
+/// The rasteriser of an llvmpipe on this machine: with fused multiply-add instructions where the processor has them, unless
+/// Mesa is told by `GALLIUM_OVERRIDE_CPU_CAPS` to do without.
+#[must_use]
+pub fn of_llvmpipe_here() -> Rasteriser {
+    #[cfg(target_arch = "x86_64")]
+    let fused = std::arch::is_x86_feature_detected!("fma");
+    // AArch64 and others have them always.
+    #[cfg(not(target_arch = "x86_64"))]
+    let fused = true;
+    if fused && std::env::var_os("GALLIUM_OVERRIDE_CPU_CAPS").is_none() {
+        Rasteriser::Llvmpipe
+    } else {
+        Rasteriser::LlvmpipeUnfused
+    }
+}
 
 /// What is known of one texel after all triangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

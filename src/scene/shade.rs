@@ -75,6 +75,7 @@ impl Scene {
 struct Stage<'a> {
     surface: SurfaceShader<'a>,
     outputs: Vec<Output>,
+    fine_derivatives: bool,
 }
 
 impl<'a> Stage<'a> {
@@ -88,7 +89,11 @@ impl<'a> Stage<'a> {
             light: draw.light,
             eye: scene.eye(),
         };
-        Self { surface, outputs: scene.target.colors.iter().map(|color| color.output).collect() }
+        Self {
+            surface,
+            outputs: scene.target.colors.iter().map(|color| color.output).collect(),
+            fine_derivatives: draw.raster.rasteriser.has_fine_derivatives(),
+        }
     }
 
     fn run(&self, primitive: &Primitive<VARYINGS>, x: u32, y: u32, work: &mut Work) -> Fragment {
@@ -99,7 +104,7 @@ impl<'a> Stage<'a> {
         let [u, v, nx, ny, nz, px, py, pz] = if unread { [0.0; VARYINGS] } else { primitive.varyings(x, y) };
         let input =
             SurfaceInput { uv: [u, v], normal: Vec3::new(nx, ny, nz), position: Vec3::new(px, py, pz), front_facing };
-        let shaded = self.surface.shade(&input, || footprint(primitive, x, y), work);
+        let shaded = self.surface.shade(&input, || footprint(primitive, x, y, self.fine_derivatives), work);
         let mut fragment =
             Fragment { depth: primitive.depth(x, y), front_facing, discarded: shaded.discarded, ..Fragment::default() };
         for (slot, output) in fragment.outputs.iter_mut().zip(&self.outputs) {
@@ -115,15 +120,17 @@ impl<'a> Stage<'a> {
     }
 }
 
-/// Differences of the texture coordinates over the 2 x 2 quad the pixel lies in, as GPUs take them.
-fn footprint(primitive: &Primitive<VARYINGS>, x: u32, y: u32) -> Footprint {
-    let (x, y) = (x & !1, y & !1);
+/// Differences of the texture coordinates within the 2 x 2 quad the pixel lies in: along its upper row and left column,
+/// or (`fine`) along the pixel's own.
+fn footprint(primitive: &Primitive<VARYINGS>, x: u32, y: u32, fine: bool) -> Footprint {
     let uv = |x, y| {
         let [u, v, ..] = primitive.varyings(x, y);
         [u, v]
     };
-    let ([u, v], [ux, vx], [uy, vy]) = (uv(x, y), uv(x + 1, y), uv(x, y + 1));
-    Footprint { dx: [ux - u, vx - v], dy: [uy - u, vy - v] }
+    let (left, top) = (x & !1, y & !1);
+    let (column, row) = if fine { (x, y) } else { (left, top) };
+    let difference = |[a, b]: [f32; 2], [c, d]: [f32; 2]| [c - a, d - b];
+    Footprint { dx: difference(uv(left, row), uv(left + 1, row)), dy: difference(uv(column, top), uv(column, top + 1)) }
 }
 
 /// The vertices of a draw as one list, for a device.

@@ -8,8 +8,10 @@ use serde::Serialize;
 use crate::{
     crosscheck::Device,
     crosscheck::drawn::{Agreement, Drawer, Drawn},
+    crosscheck::raster::of_llvmpipe_here,
     model::{NumericModel, exact::Exact, llvmpipe::Llvmpipe, swiftshader::SwiftShader},
     report::difference::{Difference, Differences},
+    scene::raster::Rasteriser,
     scene::{Picture, PictureAlpha, Scene},
 };
 #[cfg(feature = "gpu")]
@@ -100,13 +102,14 @@ pub struct DeviceOutcome {
 #[cfg(feature = "gpu")]
 #[must_use]
 pub fn draw(device: &Device, scenes: &[(String, Scene)], done: &(dyn Fn() + Sync)) -> DeviceReport {
-    let (model, subpixel_bits) = modelled(&device.report().name);
-    let on_its_grid = |(name, scene): &(String, Scene)| {
+    let (model, rasteriser, subpixel_bits) = modelled(&device.report().name);
+    let by_its_rules = |(name, scene): &(String, Scene)| {
         let mut scene = scene.clone();
         scene.target.subpixel_bits = subpixel_bits;
+        scene.target.rasteriser = rasteriser;
         (name.clone(), scene)
     };
-    let scenes: &Vec<_> = &scenes.iter().map(on_its_grid).collect();
+    let scenes: &Vec<_> = &scenes.iter().map(by_its_rules).collect();
     let mut drawer = Drawer::new(device);
     let drawn: Vec<_> = scenes.iter().map(|(_, scene)| drawer.draw(scene).map_err(|error| error.to_string())).collect();
     let one = |((name, scene), drawn): (&(String, Scene), Result<Drawn, String>)| {
@@ -120,14 +123,14 @@ pub fn draw(device: &Device, scenes: &[(String, Scene)], done: &(dyn Fn() + Sync
     DeviceReport { adapter: device.report().to_string(), model: model.name(), all, scenes }
 }
 
-/// The model of a device's driver, `exact` for drivers without one, and the driver's `subPixelPrecisionBits`, which wgpu
-/// does not tell.
+/// The model of a device's driver and its rasteriser, `exact` and the reference for drivers without one, and the driver's
+/// `subPixelPrecisionBits`, which wgpu does not tell.
 #[cfg(feature = "gpu")]
-fn modelled(device: &str) -> (Box<dyn NumericModel>, u8) {
+fn modelled(device: &str) -> (Box<dyn NumericModel>, Rasteriser, u8) {
     match device {
-        name if name.contains("llvmpipe") => (Box::new(Llvmpipe::default()), 8),
-        name if name.contains("SwiftShader") => (Box::new(SwiftShader), 4),
-        _ => (Box::new(Exact::default()), 8),
+        name if name.contains("llvmpipe") => (Box::new(Llvmpipe::default()), of_llvmpipe_here(), 8),
+        name if name.contains("SwiftShader") => (Box::new(SwiftShader), Rasteriser::Reference, 4),
+        _ => (Box::new(Exact::default()), Rasteriser::Reference, 8),
     }
 }
 

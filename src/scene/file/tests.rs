@@ -2,6 +2,7 @@ use std::path::Path;
 
 use super::*;
 use crate::scene::material::Pass;
+use crate::scene::raster::Rasteriser;
 
 const SCENE: &str = r#"version = 1
 title = "Test"
@@ -44,6 +45,9 @@ fn a_small_scene_is_read_with_defaults() {
     assert_eq!(scene.target.subpixel_bits, 8, "the usual grid");
     let coarse = parse(&SCENE.replace("width = 16", "width = 16\nsubpixel-bits = 4")).expect("a correct scene");
     assert_eq!(coarse.target.subpixel_bits, 4, "the grid it asks for");
+    assert_eq!(scene.target.rasteriser, Rasteriser::Reference, "unless it asks for another");
+    let driver = parse(&SCENE.replace("width = 16", "width = 16\nrasteriser = \"llvmpipe\"")).expect("a correct scene");
+    assert_eq!(driver.target.rasteriser, Rasteriser::Llvmpipe);
     assert_eq!(scene.materials[0].queue().number(), 3000, "the mode's queue");
 }
 
@@ -63,6 +67,12 @@ fn errors_name_file_line_and_field() {
             "width = 16\nsubpixel-bits = 9",
             6,
             "`target.subpixel-bits`: 9 is out of range; it must be 4 to 8",
+        ),
+        (
+            "width = 16",
+            "width = 16\nrasteriser = \"mesa\"",
+            6,
+            "`target.rasteriser`: unknown variant `mesa`, expected one of `reference`, `llvmpipe`, `llvmpipe-unfused`",
         ),
         ("0.5]", "nan]", 11, "`material[0].tint`: NaN is not a finite number"),
         ("0.5]", "inf]", 11, "`material[0].tint`: inf is not a finite number"),

@@ -64,6 +64,15 @@ pub enum Rasteriser {
     LlvmpipeUnfused,
 }
 
+impl Rasteriser {
+    /// Whether derivatives are taken along a fragment's own row and column of its quad, or once for the quad. APIs admit
+    /// both (SPIR-V, *Derivative Instructions*).
+    #[must_use]
+    pub fn has_fine_derivatives(self) -> bool {
+        self != Self::Reference
+    }
+}
+
 /// What rasterisation is told about one draw. The viewport is the whole target.
 #[derive(Clone, Copy, Debug)]
 pub struct RasterState {

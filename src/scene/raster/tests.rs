@@ -45,8 +45,11 @@ fn quad(x0: f64, y0: f64, x1: f64, y1: f64) -> [[Vertex<0>; 3]; 2] {
 fn full_screen_quad_covers_every_pixel_once() {
     let size = f64::from(SIZE);
     for (reach, name) in [(0.0, "exact"), (7.3, "overhanging"), (1e6, "far beyond the guard band")] {
-        let counts = hits(&quad(-reach, -reach, size + reach, size + reach), &state());
-        assert!(counts.iter().all(|&count| count == 1), "{name}: {counts:?}");
+        for rasteriser in [Rasteriser::Reference, Rasteriser::Llvmpipe, Rasteriser::LlvmpipeUnfused] {
+            let state = RasterState { rasteriser, ..state() };
+            let counts = hits(&quad(-reach, -reach, size + reach, size + reach), &state);
+            assert!(counts.iter().all(|&count| count == 1), "{name}, {rasteriser:?}: {counts:?}");
+        }
     }
 }
 
@@ -267,4 +270,49 @@ proptest! {
             }
         }
     }
+}
+
+/// Depth and a varying of a cut triangle as llvmpipe read them back, with fused instructions and without
+/// (`GALLIUM_OVERRIDE_CPU_CAPS=sse4.1`). `tests/crosscheck/raster.rs` compares a million more.
+#[test]
+fn a_cut_triangle_has_the_bits_recorded_from_llvmpipe() {
+    let vertex = |x, y, z, w, varying| Vertex { position: [x, y, z, w], varyings: [varying] };
+    let triangle =
+        [vertex(-0.9, 0.8, 0.3, 1.0, 0.1), vertex(1.7, 0.55, 0.65, 1.3, 0.7), vertex(-0.21, -2.9, 1.1, 2.3, 0.4)];
+    let fused = [
+        (4, 6, 0x3eae_986a, 0x3e21_3bdb),
+        (11, 9, 0x3ecd_db85, 0x3ea0_74c4),
+        (20, 7, 0x3ee8_67ad, 0x3f04_ff21),
+        (10, 22, 0x3ee8_add1, 0x3eb0_fc9c),
+    ];
+    let unfused = [
+        (4, 6, 0x3eae_986a, 0x3e21_3bdb),
+        (11, 9, 0x3ecd_db85, 0x3ea0_74c4),
+        (20, 7, 0x3ee8_67ac, 0x3f04_ff20),
+        (10, 22, 0x3ee8_add0, 0x3eb0_fc97),
+    ];
+    for (rasteriser, recorded) in [(Rasteriser::Llvmpipe, fused), (Rasteriser::LlvmpipeUnfused, unfused)] {
+        let parts = assemble(triangle, &RasterState { rasteriser, ..state() });
+        assert!(parts.len() > 1, "cut, so a fan: {}", parts.len());
+        for (x, y, depth, varying) in recorded {
+            let covers =
+                |part: &&Primitive<1>| part.spans().any(|span| span.y == y && (span.start..span.end).contains(&x));
+            let part = parts.iter().find(covers).expect("the texel is covered");
+            let bits = (part.depth(x, y).to_bits(), part.varyings(x, y)[0].to_bits());
+            assert_eq!(bits, (depth, varying), "({x}, {y}), {rasteriser:?}");
+        }
+    }
+}
+
+#[test]
+fn a_coplanar_bias_unit_is_two_codes_of_unorm_depth_in_llvmpipe() {
+    let bias = DepthBiasState { constant: 1, ..DepthBiasState::default() };
+    let depth = Some(DepthKind::Unorm(16));
+    let state = RasterState { rasteriser: Rasteriser::Llvmpipe, bias, depth, ..state() };
+    let parts = assemble([at(2.0, 2.0), at(20.0, 2.0), at(2.0, 20.0)], &state);
+    assert_eq!(
+        parts[0].depth(4, 4),
+        0.5 + 2.0 / 65_535.0,
+        "Vulkan admits a minimum resolvable difference of 2 x 2^-16"
+    );
 }
