@@ -1,8 +1,8 @@
 //! llvmpipe's rasteriser, bit for bit: its clipping, its planes, its depth bias.
 //!
 //! What it does otherwise than the reference:
-//! 1. [`clip`]: triangles are cut at the edges of the target, without a guard band, in binary32.
-//! 2. [`plane`]: depth, `1/w` and varyings over `w` are planes `a + x dx + y dy` in binary32, through the vertices as they
+//! 1. (`clip`) Triangles are cut at the edges of the target, without a guard band, in binary32.
+//! 2. (`plane`) Depth, `1/w` and varyings over `w` are planes `a + x dx + y dy` in binary32, through the vertices as they
 //!    are and not as they are snapped; `a` is the value at pixel (0, 0), so much of it may cancel far from there.
 //!
 //! Snapping, facing and coverage are the reference's. Not modelled: with a single bgra8unorm target and no depth target
