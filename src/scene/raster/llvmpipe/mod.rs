@@ -56,6 +56,7 @@ impl Viewport {
 }
 
 /// `x y + z`, rounded once where the processor has fused instructions.
+#[expect(clippy::disallowed_methods, reason = "fused where the driver fuses")]
 fn multiply_add(x: f32, y: f32, z: f32, fused: bool) -> f32 {
     if fused { x.mul_add(y, z) } else { x * y + z }
 }
