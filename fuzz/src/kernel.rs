@@ -1,11 +1,12 @@
-//! Rows of arbitrary codes: every kernel there is stores what the reference stores, on every instruction set, wherever a
+//! Rows of arbitrary codes, and of arbitrary numbers in planes: every kernel there is stores what the reference stores, on every instruction set, wherever a
 //! row is cut.
 
 use outmerge::format::ColorFormat;
-use outmerge::kernel::{Isa, Kernel};
-use outmerge::merger::write_mask;
-use outmerge::model::ColorInputs;
+use outmerge::kernel::{Colors, Isa, Kernel, Span, SpanMerger};
+use outmerge::merger::{Merger, write_mask};
+use outmerge::model::{ColorInputs, NumericModel};
 use outmerge::state::spelling::{blend_factors, blend_operations};
+use outmerge::{Extent, Fragment, Framebuffer, MergerState};
 use wgpu_types::{BlendComponent, BlendState, ColorTargetState, ColorWrites, TextureFormat};
 
 use super::case::models;
@@ -25,7 +26,9 @@ pub fn check(data: &[u8]) {
     let keep: Option<Vec<u8>> = input.bool().then(|| (0..count).map(|_| if input.bool() { 255 } else { 0 }).collect());
     // A row from its middle on, so that no address is aligned.
     let start = usize::from(input.byte()) % count;
+    let numbers: [Vec<f32>; 8] = std::array::from_fn(|_| (0..count).map(|_| input.number()).collect());
     for model in models() {
+        spans(&target, constant, &numbers, &dst, keep.as_deref(), model.as_ref());
         let Some(kernel) = Kernel::new(&target, constant, model.as_ref()) else { continue };
         let expected: Vec<[u8; 4]> = (0..count)
             .map(|i| {
@@ -55,6 +58,38 @@ pub fn check(data: &[u8]) {
             kernel.merge_row_on(isa, &from(&src), second.as_deref(), keep, &mut got[4 * start..]);
             assert_eq!(got, expected.concat(), "{} on {isa:?}: {target:?}, constant {constant:?}", model.name());
         }
+    }
+}
+
+/// Numbers in planes, as a span: source, then second source.
+fn spans(
+    target: &ColorTargetState,
+    constant: [f32; 4],
+    numbers: &[Vec<f32>; 8],
+    before: &[[u8; 4]],
+    keep: Option<&[u8]>,
+    model: &dyn NumericModel,
+) {
+    let mut state = MergerState { targets: vec![Some(target.clone())], ..MergerState::default() };
+    state.dynamic.blend_constant = constant;
+    let extent = Extent::new(u32::try_from(before.len()).expect("a short row"), 1).expect("a size");
+    let mut initial = Framebuffer::for_state(extent, &state).expect("memory");
+    initial.colors[0].as_mut().expect("a target").bytes_mut().copy_from_slice(&before.concat());
+    let Ok(merger) = Merger::new(&state, model, &initial) else { return };
+    let mut expected = initial.clone();
+    for x in 0..before.len() {
+        let color = |first: usize| std::array::from_fn(|i| numbers[first + i][x]);
+        let discarded = keep.is_some_and(|keep| keep[x] == 0);
+        let fragment = Fragment { src1: color(4), discarded, ..Fragment::new(color(0)) };
+        merger.merge(&fragment, u32::try_from(x).expect("a short row"), 0, &mut expected);
+    }
+    let planes = |first: usize| Colors::Planes(std::array::from_fn(|i| &numbers[first + i][..]));
+    for isa in Isa::ALL.into_iter().filter(|isa| isa.available()) {
+        let mut got = initial.clone();
+        let colors = [planes(0)];
+        let span = Span { src1: Some(planes(4)), keep, ..Span::new(0, 0, &colors) };
+        SpanMerger::new(&state, model, &got).expect("as the merger").merge_on(isa, &span, &mut got);
+        assert!(got == expected, "{} on {isa:?}: {target:?}, {constant:?}, {numbers:?}", model.name());
     }
 }
 

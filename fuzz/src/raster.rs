@@ -5,7 +5,7 @@ use std::collections::HashSet;
 
 use outmerge::Extent;
 use outmerge::format::depth::DepthKind;
-use outmerge::scene::raster::{RasterState, Vertex, assemble};
+use outmerge::scene::raster::{RasterState, Rasteriser, Vertex, assemble};
 use wgpu_types::{DepthBiasState, Face, FrontFace};
 
 use super::input::Input;
@@ -41,6 +41,9 @@ pub fn check(data: &[u8]) {
         }
     }
     assert!(drawn.is_subset(&all), "culling only removes");
+    for rasteriser in [Rasteriser::Llvmpipe, Rasteriser::LlvmpipeUnfused] {
+        pixels([a, b, c], &RasterState { rasteriser, ..state });
+    }
 }
 
 /// The covered pixels; checks every primitive on the way.
@@ -55,7 +58,9 @@ fn pixels(triangle: [Vertex<2>; 3], state: &RasterState) -> Pixels {
             let bias = state.bias.constant == 0 && state.bias.slope_scale == 0.0;
             for x in span.start..span.end {
                 let depth = primitive.depth(x, span.y);
-                assert!(!bias || !depth.is_nan(), "finite vertices have a depth: {triangle:?}");
+                // Where an area rounds to 0 in binary32, the driver's planes are NaN.
+                let planes = state.rasteriser != Rasteriser::Reference;
+                assert!(planes || !bias || !depth.is_nan(), "finite vertices have a depth: {triangle:?}");
                 let _ = primitive.varyings(x, span.y);
                 covered.insert((x, span.y));
             }

@@ -8,6 +8,9 @@
 //! - 8-bit sRGB targets, sources that are 8-bit codes of linear color, and `rgba16float`, sources that are halves: straight
 //!   and premultiplied over and additive blending, in the models with a [`FloatRule`]: `exact`, `f32` and `llvmpipe`.
 //!
+//! Sources of 8-bit unorm targets that are any numbers, in planes, have kernels of their own in `exact` and `f32`, behind
+//! [`SpanMerger`].
+//!
 //! [`Kernel::new`] answers `None` for everything else, which the reference merger covers. [`SpanMerger`] makes that choice
 //! for whole states, target by target and fragment by fragment.
 //!
@@ -106,6 +109,14 @@ impl Kernel {
             }
         }
         Some(texel)
+    }
+
+    /// Planes of numbers as a row's source, where all of them stand for codes; else what is in `row` means nothing.
+    fn sources(&self, planes: [&[f32]; 4], row: &mut Vec<u8>) -> bool {
+        match &self.0 {
+            Path::Unorm8(kernel) => kernel.sources(planes, row),
+            Path::Half(_) | Path::Srgb8(_) => false,
+        }
     }
 
     /// Whether a row's source takes RGBA codes as they are.

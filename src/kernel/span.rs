@@ -9,6 +9,7 @@ use crate::plan::{Planned, TargetPlan};
 use crate::state::{AlphaTest, MAX_COLOR_TARGETS, MergerState};
 use crate::target::Framebuffer;
 
+use super::unorm8::numbers::Numbers;
 use super::{Isa, Kernel, TEXEL, depth, half};
 
 /// The same output of all fragments of a span, in order from left to right.
@@ -33,6 +34,24 @@ impl Colors<'_> {
         match self {
             Self::Unorm8(codes) => codes.len() == 4 * len,
             Self::Planes(planes) => planes.iter().all(|plane| plane.len() == len),
+        }
+    }
+
+    /// As planes; codes are written to `memory` first.
+    fn planes<'m>(self, range: std::ops::Range<usize>, memory: &'m mut [Vec<f32>; 4]) -> [&'m [f32]; 4]
+    where
+        Self: 'm,
+    {
+        match self {
+            Self::Planes(planes) => planes.map(|plane| &plane[range.clone()]),
+            Self::Unorm8(codes) => {
+                let codes = &codes[TEXEL * range.start..TEXEL * range.end];
+                for (channel, plane) in memory.iter_mut().enumerate() {
+                    plane.clear();
+                    plane.extend(codes.chunks_exact(TEXEL).map(|texel| f32::from(texel[channel]) / 255.0));
+                }
+                memory.each_ref().map(Vec::as_slice)
+            }
         }
     }
 
@@ -113,14 +132,16 @@ impl<'a> Span<'a> {
 /// Merges spans as [`crate::merger::Merger`] merges their fragments one by one, and faster.
 ///
 /// Stencil tests, several samples and alpha to coverage are left to the reference; so are targets without a
-/// [`Kernel`], and fragments whose numbers no source of a kernel stands for: an 8-bit code under a model that does not
-/// quantise its sources, a half for half-float targets.
+/// [`Kernel`], and fragments whose numbers no source of a kernel stands for: an 8-bit code on sRGB targets, a half on
+/// half-float ones. On 8-bit unorm targets with four channels every number has a kernel, in `exact` and `f32` too.
 #[derive(Debug)]
 pub struct SpanMerger<'a> {
     planned: Planned<'a>,
     state: &'a MergerState,
     /// By color target.
     kernels: Vec<Option<Kernel>>,
+    /// Those that take any number as it is.
+    numbers: Vec<Option<Numbers>>,
     /// Whether alpha test and depth test are all that can stop a fragment.
     by_rows: bool,
     rows: Rows,
@@ -136,6 +157,9 @@ struct Rows {
     codes: Vec<u32>,
     src: Vec<u8>,
     src1: Vec<u8>,
+    /// Numbers that came as codes.
+    planes: [Vec<f32>; 4],
+    planes1: [Vec<f32>; 4],
 }
 
 impl<'a> SpanMerger<'a> {
@@ -154,12 +178,15 @@ impl<'a> SpanMerger<'a> {
         let tests_stencil = state.depth_stencil.as_ref().is_some_and(|state| stencil_matters(&state.stencil));
         let by_rows = targets.extent.samples == 1 && !state.multisample.alpha_to_coverage_enabled && !tests_stencil;
         let kernels = state.targets.iter().map(kernel).collect();
-        Ok(Self { planned, state, kernels, by_rows, rows: Rows::default() })
+        let numbers = state.targets.iter().map(|target| Numbers::new(target.as_ref()?, constant, model.float_rule()?));
+        let numbers = numbers.collect();
+        Ok(Self { planned, state, kernels, numbers, by_rows, rows: Rows::default() })
     }
 
     /// The color targets that kernels write, by location.
     pub fn kernels(&self) -> impl Iterator<Item = bool> + '_ {
-        self.kernels.iter().map(|kernel| self.by_rows && kernel.is_some())
+        let both = self.kernels.iter().zip(&self.numbers);
+        both.map(|(kernel, numbers)| self.by_rows && (kernel.is_some() || numbers.is_some()))
     }
 
     /// Merges a span.
@@ -243,17 +270,35 @@ impl<'a> SpanMerger<'a> {
         targets: &mut Framebuffer,
     ) {
         let kernel = self.kernels[index].as_ref().filter(|_| plan.write);
+        let numbers = self.numbers[index].as_ref().filter(|_| plan.write);
+        let output = span.colors.get(index);
+        if let (Some(numbers), Some(output), Some(Some(target))) = (numbers, output, targets.colors.get_mut(index))
+            && (kernel.is_none() || matches!(output, Colors::Planes(_)))
+        {
+            let Rows { keep, planes, planes1, .. } = &mut self.rows;
+            let first = target.extent().index(column(span, covered.start), span.y, 0) * TEXEL;
+            let dst = &mut target.bytes_mut()[first..][..covered.len() * TEXEL];
+            let src = output.planes(covered.clone(), planes);
+            let src1 = span.src1.filter(|_| numbers.reads_second_source()).map(|src1| src1.planes(covered, planes1));
+            let keep = keep.contains(&0).then_some(keep.as_slice());
+            return numbers.merge(isa, src, src1, keep, dst);
+        }
         let planned = &self.planned;
         let Rows { keep, left, src, src1, .. } = &mut self.rows;
         left.clone_from(keep);
-        let output = span.colors.get(index);
         let straight = kernel.and_then(|kernel| match output {
             Some(Colors::Unorm8(codes)) if kernel.takes_rgba_codes() && !kernel.reads_second_source() => {
                 Some(&codes[TEXEL * covered.start..TEXEL * covered.end])
             }
             _ => None,
         });
-        if straight.is_none() {
+        let converted = match (kernel, output) {
+            (Some(kernel), Some(Colors::Planes(planes))) if !kernel.reads_second_source() => {
+                kernel.sources(planes.map(|plane| &plane[covered.clone()]), src)
+            }
+            _ => false,
+        };
+        if straight.is_none() && !converted {
             src.clear();
             src1.clear();
             for (place, i) in covered.clone().enumerate() {

@@ -3,11 +3,12 @@
 //! Exhaustively over all (source, destination, alpha) of 8 bits for the states that renderers use most, in every rule; for
 //! all 1445 states of one equation and for pairs of different ones on random and boundary texels; on every instruction
 //! set of the machine; with write masks and discarded texels; for any tiling and number of threads; and for any state by
-//! spans.
+//! spans; and on sources that are any numbers.
 
 mod exhaustive;
 mod flat;
 mod halves;
+mod numbers;
 mod quadruples;
 mod rows;
 #[cfg(feature = "proptest")]

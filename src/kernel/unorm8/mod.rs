@@ -1,6 +1,7 @@
-//! 8-bit unorm targets with four channels, sources that are 8-bit codes: any blend state, in integers.
+//! 8-bit unorm targets with four channels: any blend state; in integers where sources are 8-bit codes, else by [`numbers`].
 
 pub(crate) mod flat;
+pub(super) mod numbers;
 pub(crate) mod row;
 pub mod rule;
 mod shape;
@@ -68,6 +69,18 @@ impl Unorm8 {
         Some(ordered([r?, g?, b?, a?], self.swap))
     }
 
+    /// Planes of numbers as a row's source, replacing what is there; `false` where some number is not from 0 to 1 or the
+    /// model does not quantise.
+    pub(super) fn sources(&self, planes: [&[f32]; 4], row: &mut Vec<u8>) -> bool {
+        row.resize(TEXEL * planes[0].len(), 0);
+        let places = ordered([0, 1, 2, 3], self.swap).map(usize::from);
+        match self.rule {
+            Rule::Exact => false,
+            Rule::Llvmpipe => interleave(planes, places, row, rule::rounded_32),
+            Rule::RoundedProducts => interleave(planes, places, row, rule::rounded_64),
+        }
+    }
+
     pub(crate) fn reads_second_source(&self) -> bool {
         let second = |side: &Side| side.operands.iter().any(|o| matches!(o, Operand::Src1 | Operand::Src1Alpha));
         !self.replace && (second(&self.src) || second(&self.dst))
@@ -101,6 +114,24 @@ impl simd::Task for Task<'_> {
             Rule::Llvmpipe => row::row(rule::Llvmpipe, self.kernel, self.row),
         }
     }
+}
+
+/// Planes as codes at their places of texels; `false` where some number is not from 0 to 1.
+#[inline(always)]
+fn interleave(planes: [&[f32]; 4], places: [usize; TEXEL], row: &mut [u8], code: impl Fn(f32) -> u8) -> bool {
+    places.into_iter().zip(planes).all(|(place, plane)| {
+        for (texel, x) in row.chunks_exact_mut(TEXEL).zip(plane) {
+            texel[place] = code(*x);
+        }
+        // No early end: the loop is the compiler's to vectorise.
+        plane.iter().fold(true, |all, x| all & (0.0..=1.0).contains(x))
+    })
+}
+
+/// A code of 8 bits.
+fn low_code(code: u32) -> u8 {
+    let [code, ..] = code.to_le_bytes();
+    code
 }
 
 /// RGBA in the target's byte order.

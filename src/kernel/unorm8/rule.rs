@@ -63,13 +63,15 @@ const UNIT: [f32; 256] = {
 };
 
 /// x * 255 in binary32, to nearest even, for x in [0, 1]: a number of that size has no bits behind the point beside 2^23.
-fn rounded_32(x: f32) -> u8 {
+#[inline(always)]
+pub(super) fn rounded_32(x: f32) -> u8 {
     let [code, ..] = (x * 255.0 + 8_388_608.0).to_bits().to_le_bytes();
     code
 }
 
 /// The real x * 255, to nearest even, for x in [0, 1].
-fn rounded_64(x: f32) -> u8 {
+#[inline(always)]
+pub(super) fn rounded_64(x: f32) -> u8 {
     let [code, ..] = (f64::from(x) * 255.0 + 4_503_599_627_370_496.0).to_bits().to_le_bytes();
     code
 }

@@ -1,0 +1,458 @@
+//! 8-bit unorm targets with four channels, sources that are any numbers, in planes: `exact` and `f32`.
+//!
+//! The equation runs on [`LANES`] texels at a time, channel by channel, in binary64 for `exact` and in binary32 for `f32`;
+//! the loops have no branches and are left to the compiler's vectors.
+//!
+//! `f32` performs the model's own operations. `exact`: sources and constants are in [0, 1] and exact, a decoded code is off
+//! by at most 2^-52, and so is each of the at most six operations on numbers up to 2. That is less than 2^-48 in all, and less than
+//! [`DOUBT`] in codes. A sum that near to the middle between two codes is decided by [`tie`], in binary64 operations that
+//! are seen to be exact, or else by the reference.
+
+use wgpu_types::{BlendFactor as F, BlendOperation as Op, BlendState, ColorTargetState, TextureFormat};
+
+use super::{ordered, write_mask};
+use crate::format::{Codes, ColorFormat};
+use crate::kernel::simd::{self, Isa, Simd};
+use crate::kernel::{FloatRule, TEXEL};
+use crate::merger::blend::clamp::clamp_input;
+use crate::merger::blend::component;
+use crate::model::exact::Exact;
+use crate::model::{ColorInputs, NumericModel};
+
+/// Texels at a time.
+const LANES: usize = 32;
+
+/// Bound on the error of a sum in binary64, in codes.
+const DOUBT: f64 = 1.0 / (1_u64 << 38) as f64;
+
+/// The kernel of one state.
+#[derive(Clone, Debug)]
+pub(in crate::kernel) struct Numbers {
+    exact: bool,
+    format: ColorFormat,
+    swap: bool,
+    blend: Option<BlendState>,
+    /// In [0, 1].
+    constant: [f32; 4],
+    /// All ones for the bytes that are written.
+    write_mask: u32,
+}
+
+/// A span's numbers, one plane a channel, all of one length.
+pub(in crate::kernel) type Planes<'a> = [&'a [f32]; 4];
+
+/// The slices of a row.
+struct Row<'a> {
+    src: Planes<'a>,
+    src1: Option<Planes<'a>>,
+    keep: Option<&'a [u8]>,
+    dst: &'a mut [u8],
+}
+
+impl Numbers {
+    /// `None` for other formats and models.
+    pub(in crate::kernel) fn new(target: &ColorTargetState, constant: [f32; 4], rule: FloatRule) -> Option<Self> {
+        let swap = match target.format {
+            TextureFormat::Rgba8Unorm => false,
+            TextureFormat::Bgra8Unorm => true,
+            _ => return None,
+        };
+        let format = ColorFormat::new(target.format).ok()?;
+        Some(Self {
+            exact: match rule {
+                FloatRule::Exact => true,
+                FloatRule::Binary32 => false,
+                FloatRule::Llvmpipe => return None,
+            },
+            format,
+            swap,
+            blend: target.blend,
+            constant: constant.map(|x| clamp_input(x, format.class())),
+            write_mask: u32::from_le_bytes(write_mask(target.write_mask, swap)),
+        })
+    }
+
+    /// Whether the second source is read.
+    pub(in crate::kernel) fn reads_second_source(&self) -> bool {
+        let second = |factor: F| factor.ref_second_blend_source();
+        self.blend.is_some_and(|blend| {
+            [blend.color, blend.alpha].iter().any(|c| second(c.src_factor) || second(c.dst_factor))
+        })
+    }
+
+    /// Merges a row. `keep`, one byte a texel, is not 0 where the fragment is merged.
+    pub(in crate::kernel) fn merge(
+        &self,
+        isa: Isa,
+        src: Planes<'_>,
+        src1: Option<Planes<'_>>,
+        keep: Option<&[u8]>,
+        dst: &mut [u8],
+    ) {
+        simd::run(isa, Task { kernel: self, row: Row { src, src1, keep, dst } });
+    }
+
+    #[inline(always)]
+    fn row(&self, row: Row<'_>) {
+        if self.exact { self.parts::<f64>(row) } else { self.parts::<f32>(row) }
+    }
+
+    #[inline(always)]
+    fn parts<R: Real>(&self, row: Row<'_>) {
+        let Row { src, src1, keep, dst } = row;
+        for (part, dst) in dst.chunks_mut(LANES * TEXEL).enumerate() {
+            let first = part * LANES;
+            let texels = dst.len() / TEXEL;
+            let mut before = [0_u32; LANES];
+            for (bits, texel) in before.iter_mut().zip(dst.chunks_exact(TEXEL)) {
+                *bits = u32::from_le_bytes([texel[0], texel[1], texel[2], texel[3]]);
+            }
+            let mut operands = Operands {
+                src: [[R::ZERO; LANES]; 4],
+                src1: [[R::ZERO; LANES]; 4],
+                dst: [[R::ZERO; LANES]; 4],
+                constant: self.constant.map(R::of),
+            };
+            for channel in 0..4 {
+                load(&src[channel][first..first + texels], &mut operands.src[channel]);
+                if let Some(src1) = src1 {
+                    load(&src1[channel][first..first + texels], &mut operands.src1[channel]);
+                }
+                decode(&before, self.shift(channel), &mut operands.dst[channel]);
+            }
+            let mut merged = [0_u32; LANES];
+            let mut doubt = [0.0; LANES];
+            for channel in 0..4 {
+                let sum = operands.channel(self.blend.as_ref(), channel);
+                encode(&sum, self.shift(channel), &mut merged, &mut doubt);
+            }
+            let mut written = [self.write_mask; LANES];
+            if let Some(keep) = keep {
+                for (mask, keep) in written.iter_mut().zip(&keep[first..first + texels]) {
+                    *mask = if *keep == 0 { 0 } else { *mask };
+                }
+            }
+            if R::DOUBTS && doubt.iter().any(|x| *x > 0.5 - DOUBT) {
+                for i in (0..texels).filter(|i| doubt[*i] > 0.5 - DOUBT && written[*i] != 0) {
+                    let color = |planes: Planes<'_>| planes.map(|plane| plane[first + i]);
+                    merged[i] = self.decide(color(src), src1.map_or([0.0; 4], color), before[i]);
+                }
+            }
+            for i in 0..LANES {
+                merged[i] = merged[i] & written[i] | before[i] & !written[i];
+            }
+            for (texel, merged) in dst.chunks_exact_mut(TEXEL).zip(&merged) {
+                texel.copy_from_slice(&merged.to_le_bytes());
+            }
+        }
+    }
+
+    /// Where a channel's byte begins.
+    #[inline(always)]
+    fn shift(&self, channel: usize) -> u32 {
+        [[0, 8, 16, 24], [16, 8, 0, 24]][usize::from(self.swap)][channel]
+    }
+
+    /// A texel with a channel in doubt.
+    #[cold]
+    #[inline(never)]
+    fn decide(&self, src: [f32; 4], src1: [f32; 4], before: u32) -> u32 {
+        let dst: Codes = ordered(before.to_le_bytes(), self.swap).map(u32::from);
+        let clamped = |color: [f32; 4]| color.map(|x| clamp_input(x, self.format.class()));
+        let inputs = ColorInputs {
+            format: self.format,
+            blend: self.blend,
+            constant: self.constant,
+            src: clamped(src),
+            src1: clamped(src1),
+            dst,
+        };
+        let [r, g, b, a] = std::array::from_fn(|channel| tie(&inputs, channel));
+        let codes = match (r, g, b, a) {
+            (Some(r), Some(g), Some(b), Some(a)) => [r, g, b, a],
+            _ => Exact::default().merge_color(&inputs).map(super::low_code),
+        };
+        u32::from_le_bytes(ordered(codes, self.swap))
+    }
+}
+
+struct Task<'a> {
+    kernel: &'a Numbers,
+    row: Row<'a>,
+}
+
+impl simd::Task for Task<'_> {
+    /// The plain loop once more, compiled for the vectors' instructions.
+    #[inline(always)]
+    fn on_vectors<S: Simd>(self, _: S) {
+        self.kernel.row(self.row);
+    }
+
+    fn plain(self) {
+        self.kernel.row(self.row);
+    }
+}
+
+/// The numbers of an arithmetic.
+trait Real: Copy + std::ops::Add<Output = Self> + std::ops::Sub<Output = Self> + std::ops::Mul<Output = Self> {
+    const ZERO: Self;
+    const ONE: Self;
+    /// Whether a sum may be too near to the middle between two codes.
+    const DOUBTS: bool;
+    fn of(x: f32) -> Self;
+    fn unit(code: u32) -> Self;
+    fn least(self, other: Self) -> Self;
+    fn most(self, other: Self) -> Self;
+    /// The nearest code of a number in [0, 1], and how far from it the number is.
+    fn code(self) -> (u32, f64);
+}
+
+impl Real for f64 {
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+    const DOUBTS: bool = true;
+
+    #[inline(always)]
+    fn of(x: f32) -> Self {
+        Self::from(x)
+    }
+
+    #[inline(always)]
+    fn unit(code: u32) -> Self {
+        // Signed integers convert in fewer instructions.
+        Self::from(code.cast_signed()) * (1.0 / 255.0)
+    }
+
+    #[inline(always)]
+    fn least(self, other: Self) -> Self {
+        if other < self { other } else { self }
+    }
+
+    #[inline(always)]
+    fn most(self, other: Self) -> Self {
+        if other > self { other } else { self }
+    }
+
+    #[inline(always)]
+    fn code(self) -> (u32, f64) {
+        /// Beside it, numbers below 2^51 have no bits behind the point.
+        const WHOLE: f64 = 4_503_599_627_370_496.0;
+        let codes = self * 255.0;
+        let whole = codes + WHOLE;
+        (low_half(whole.to_bits()), (codes - (whole - WHOLE)).abs())
+    }
+}
+
+impl Real for f32 {
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+    const DOUBTS: bool = false;
+
+    #[inline(always)]
+    fn of(x: f32) -> Self {
+        x
+    }
+
+    #[inline(always)]
+    #[expect(clippy::cast_precision_loss, reason = "a code of 8 bits")]
+    fn unit(code: u32) -> Self {
+        code.cast_signed() as Self / 255.0
+    }
+
+    #[inline(always)]
+    fn least(self, other: Self) -> Self {
+        if other < self { other } else { self }
+    }
+
+    #[inline(always)]
+    fn most(self, other: Self) -> Self {
+        if other > self { other } else { self }
+    }
+
+    #[inline(always)]
+    fn code(self) -> (u32, f64) {
+        ((self * 255.0 + 8_388_608.0).to_bits() & 0xff, 0.0)
+    }
+}
+
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, reason = "a code is in the low bits")]
+fn low_half(bits: u64) -> u32 {
+    bits as u32 & 0xff
+}
+
+/// Numbers of a plane, clamped to [0, 1], NaN as 0.
+#[inline(always)]
+fn load<R: Real>(plane: &[f32], numbers: &mut [R; LANES]) {
+    for (number, x) in numbers.iter_mut().zip(plane) {
+        // The second operand where a comparison fails: NaN becomes 0.
+        let positive = if *x > 0.0 { *x } else { 0.0 };
+        *number = R::of(if positive < 1.0 { positive } else { 1.0 });
+    }
+}
+
+#[inline(always)]
+fn decode<R: Real>(texels: &[u32; LANES], shift: u32, numbers: &mut [R; LANES]) {
+    for (number, texel) in numbers.iter_mut().zip(texels) {
+        *number = R::unit(texel >> shift & 0xff);
+    }
+}
+
+/// Codes into their byte of the texels, and the larger of the channels' doubts.
+#[inline(always)]
+fn encode<R: Real>(sum: &[R; LANES], shift: u32, texels: &mut [u32; LANES], doubt: &mut [f64; LANES]) {
+    for i in 0..LANES {
+        let (code, away) = sum[i].most(R::ZERO).least(R::ONE).code();
+        texels[i] |= code << shift;
+        if R::DOUBTS {
+            doubt[i] = doubt[i].most(away);
+        }
+    }
+}
+
+/// What the equation reads, a plane a channel.
+struct Operands<R> {
+    src: [[R; LANES]; 4],
+    src1: [[R; LANES]; 4],
+    dst: [[R; LANES]; 4],
+    constant: [R; 4],
+}
+
+impl<R: Real> Operands<R> {
+    /// The equation's result in one channel, not clamped.
+    #[inline(always)]
+    fn channel(&self, blend: Option<&BlendState>, channel: usize) -> [R; LANES] {
+        let (src, dst) = (&self.src[channel], &self.dst[channel]);
+        let Some(blend) = blend else { return *src };
+        let equation = component(blend, channel);
+        match equation.operation {
+            Op::Min => return each(src, dst, R::least),
+            Op::Max => return each(src, dst, R::most),
+            Op::Add | Op::Subtract | Op::ReverseSubtract => {}
+        }
+        let s = each(src, &self.factor(equation.src_factor, channel), std::ops::Mul::mul);
+        let d = each(dst, &self.factor(equation.dst_factor, channel), std::ops::Mul::mul);
+        match equation.operation {
+            Op::Subtract => each(&s, &d, std::ops::Sub::sub),
+            Op::ReverseSubtract => each(&d, &s, std::ops::Sub::sub),
+            _ => each(&s, &d, std::ops::Add::add),
+        }
+    }
+
+    #[inline(always)]
+    fn factor(&self, factor: F, channel: usize) -> [R; LANES] {
+        let ones = &[R::ONE; LANES];
+        match factor {
+            F::Zero => [R::ZERO; LANES],
+            F::One => *ones,
+            F::Src => self.src[channel],
+            F::OneMinusSrc => each(ones, &self.src[channel], std::ops::Sub::sub),
+            F::SrcAlpha => self.src[3],
+            F::OneMinusSrcAlpha => each(ones, &self.src[3], std::ops::Sub::sub),
+            F::Dst => self.dst[channel],
+            F::OneMinusDst => each(ones, &self.dst[channel], std::ops::Sub::sub),
+            F::DstAlpha => self.dst[3],
+            F::OneMinusDstAlpha => each(ones, &self.dst[3], std::ops::Sub::sub),
+            F::SrcAlphaSaturated if channel == 3 => *ones,
+            F::SrcAlphaSaturated => each(&self.src[3], &each(ones, &self.dst[3], std::ops::Sub::sub), R::least),
+            F::Constant => [self.constant[channel]; LANES],
+            F::OneMinusConstant => [R::ONE - self.constant[channel]; LANES],
+            F::Src1 => self.src1[channel],
+            F::OneMinusSrc1 => each(ones, &self.src1[channel], std::ops::Sub::sub),
+            F::Src1Alpha => self.src1[3],
+            F::OneMinusSrc1Alpha => each(ones, &self.src1[3], std::ops::Sub::sub),
+        }
+    }
+}
+
+/// An operation on every lane.
+#[inline(always)]
+fn each<R: Real>(a: &[R; LANES], b: &[R; LANES], operation: impl Fn(R, R) -> R) -> [R; LANES] {
+    let mut result = [R::ZERO; LANES];
+    for i in 0..LANES {
+        result[i] = operation(a[i], b[i]);
+    }
+    result
+}
+
+/// The code of one channel, where binary64 holds every step of its equation; sources are in [0, 1].
+fn tie(inputs: &ColorInputs, channel: usize) -> Option<u8> {
+    let ColorInputs { src, dst, .. } = inputs;
+    let s = f64::from(src[channel]);
+    let d = f64::from(dst[channel]);
+    let scaled = product(255.0, s)?;
+    let codes = match inputs.blend.as_ref().map(|blend| component(blend, channel)) {
+        None => scaled,
+        Some(equation) => {
+            let term = |x: f64, factor: F| product(x, exact_factor(factor, channel, inputs)?);
+            let terms = || Some((term(scaled, equation.src_factor)?, term(d, equation.dst_factor)?));
+            match equation.operation {
+                Op::Min => scaled.min(d),
+                Op::Max => scaled.max(d),
+                Op::Add => terms().and_then(|(s, d)| sum(s, d))?,
+                Op::Subtract => terms().and_then(|(s, d)| sum(s, -d))?,
+                Op::ReverseSubtract => terms().and_then(|(s, d)| sum(d, -s))?,
+            }
+        }
+    };
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a code")]
+    let code = codes.clamp(0.0, 255.0).round_ties_even() as u8;
+    Some(code)
+}
+
+/// A factor, where binary64 holds it.
+fn exact_factor(factor: F, channel: usize, inputs: &ColorInputs) -> Option<f64> {
+    let ColorInputs { src, src1, constant, dst, .. } = inputs;
+    let stored = |code: u32| code.is_multiple_of(255).then(|| f64::from(code / 255));
+    let rest = |x: f64| sum(1.0, -x);
+    let number = |x: f32| f64::from(x);
+    match factor {
+        F::Zero => Some(0.0),
+        F::One => Some(1.0),
+        F::Src => Some(number(src[channel])),
+        F::OneMinusSrc => rest(number(src[channel])),
+        F::SrcAlpha => Some(number(src[3])),
+        F::OneMinusSrcAlpha => rest(number(src[3])),
+        F::Dst => stored(dst[channel]),
+        F::OneMinusDst => stored(255 - dst[channel]),
+        F::DstAlpha => stored(dst[3]),
+        F::OneMinusDstAlpha => stored(255 - dst[3]),
+        F::SrcAlphaSaturated if channel == 3 => Some(1.0),
+        F::SrcAlphaSaturated => stored(255 - dst[3]).map(|room| room.min(number(src[3]))),
+        F::Constant => Some(number(constant[channel])),
+        F::OneMinusConstant => rest(number(constant[channel])),
+        F::Src1 => Some(number(src1[channel])),
+        F::OneMinusSrc1 => rest(number(src1[channel])),
+        F::Src1Alpha => Some(number(src1[3])),
+        F::OneMinusSrc1Alpha => rest(number(src1[3])),
+    }
+}
+
+/// `x y`, where that has 53 bits or fewer; both are 0 or at least 2^-298.
+fn product(x: f64, y: f64) -> Option<f64> {
+    let bits = |x: f64| if x == 0.0 { 0 } else { 53 - (x.to_bits() | 1 << 52).trailing_zeros().min(52) };
+    (bits(x) + bits(y) <= 53).then_some(x * y)
+}
+
+/// `x + y`, where that is a number: its rounding error is 0 (Knuth's two-sum).
+fn sum(x: f64, y: f64) -> Option<f64> {
+    let sum = x + y;
+    let part = sum - x;
+    ((x - (sum - part)) + (y - part) == 0.0).then_some(sum)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn products_and_sums_that_binary64_does_not_hold_are_told() {
+        let odd = |bits: i32| 1.0 + (f64::from(bits) - 1.0).exp2();
+        assert_eq!(product(odd(26), odd(27)), Some(odd(26) * odd(27)), "53 bits");
+        assert_eq!(product(odd(27), odd(28)), None, "54 bits");
+        assert_eq!(product(255.0, 0.5), Some(127.5), "few bits");
+        assert_eq!(product(0.0, odd(53)), Some(0.0), "zero has none");
+        assert_eq!(sum(1.0, -f64::from(f32::MIN_POSITIVE)), None, "bits too far apart");
+        assert_eq!(sum(127.25, 0.25), Some(127.5));
+    }
+}
