@@ -43,7 +43,7 @@ fn check(name: &str, target: &ColorTargetState, seed: u64) {
     let model = model(name);
     let mut state = MergerState { targets: vec![Some(target.clone())], ..MergerState::default() };
     state.dynamic.blend_constant = std::array::from_fn(|_| number(&mut bytes));
-    let inside = seed % 2 == 0;
+    let inside = seed.is_multiple_of(2);
     let (src, src1) = (planes(&mut bytes, inside), planes(&mut bytes, inside));
     let mut before = Framebuffer::for_state(Extent::new(TEXELS, 1).expect("a size"), &state).expect("memory");
     for byte in before.colors[0].as_mut().expect("a target").bytes_mut() {
