@@ -24,6 +24,7 @@ pub mod raster;
 pub mod render;
 pub mod shade;
 pub mod sorted;
+mod span;
 mod split;
 pub mod texture;
 

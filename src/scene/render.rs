@@ -1,4 +1,4 @@
-//! A scene through the planned merger, in one or several numeric models at once; or through the reference.
+//! A scene through the planned merger, by spans, in one or several numeric models at once; or through the reference.
 
 use std::time::{Duration, Instant};
 
@@ -6,10 +6,11 @@ use super::description::{DepthSpec, Scene};
 use super::draw::Draw;
 use super::material::Work;
 use super::shade::PixelFragment;
+use super::span::Spans;
 use crate::merger::{Merger, MergerError};
 use crate::model::NumericModel;
 use crate::model::exact::Exact;
-use crate::plan::{Access, Plan, Planned};
+use crate::plan::{Access, Plan};
 use crate::state::MergerState;
 use crate::state::block::StateBlock;
 use crate::target::{Framebuffer, TargetError};
@@ -71,9 +72,9 @@ pub struct Rendered {
     pub merge_time: Duration,
 }
 
-/// The merger of one draw: with its plan, or the reference.
+/// The merger of one draw: by spans and its plan, or the reference.
 enum Way<'a> {
-    Planned(Planned<'a>),
+    Planned(Box<Spans<'a>>),
     Reference(Merger<'a>),
 }
 
@@ -92,16 +93,14 @@ impl<'a> Way<'a> {
         targets: &Framebuffer,
     ) -> Result<Self, MergerError> {
         match path {
-            Path::Planned => Planned::new(state, model, targets).map(Self::Planned),
+            Path::Planned => Spans::new(state, model, targets).map(|spans| Self::Planned(Box::new(spans))),
             Path::Reference => Merger::new(state, model, targets).map(Self::Reference),
         }
     }
 
-    fn merge(&self, fragments: &[PixelFragment], framebuffer: &mut Framebuffer) {
+    fn merge(&mut self, fragments: &[PixelFragment], framebuffer: &mut Framebuffer) {
         match self {
-            Self::Planned(merger) => {
-                fragments.iter().for_each(|pixel| merger.merge(&pixel.fragment, pixel.x, pixel.y, framebuffer));
-            }
+            Self::Planned(spans) => spans.merge(fragments, framebuffer),
             Self::Reference(merger) => {
                 fragments.iter().for_each(|pixel| merger.merge(&pixel.fragment, pixel.x, pixel.y, framebuffer));
             }
@@ -146,7 +145,8 @@ impl Scene {
         Ok(self.render_models(&[model])?.swap_remove(0))
     }
 
-    /// Renders the scene in several models; fragments are made once. Each draw leaves out what its plan does not need, and
+    /// Renders the scene in several models; fragments are made once, and merged by spans, in kernels where there are any
+    /// ([`crate::kernel::SpanMerger`]). Each draw leaves out what its plan does not need, and
     /// where no draw reads or writes depth or stencil, there is no such target: [`Rendered::framebuffer`] has none.
     ///
     /// # Errors
@@ -202,14 +202,14 @@ impl Scene {
         };
         let mut rendered: Vec<Rendered> = models.iter().zip(cleared).map(start).collect();
         for (index, draw) in draws.iter().enumerate() {
-            let ways: Vec<Way<'_>> = models
+            let mut ways: Vec<Way<'_>> = models
                 .iter()
                 .zip(&rendered)
                 .map(|(model, rendered)| Way::new(path, &draw.state, *model, &rendered.framebuffer))
                 .collect::<Result<_, _>>()
                 .map_err(|source| SceneError::Merger { index, draw: draw.label(), source })?;
             let work = self.shade(draw, None, |fragments| {
-                for (way, rendered) in ways.iter().zip(&mut rendered) {
+                for (way, rendered) in ways.iter_mut().zip(&mut rendered) {
                     let started = Instant::now();
                     way.merge(fragments, &mut rendered.framebuffer);
                     rendered.merge_time += started.elapsed();
