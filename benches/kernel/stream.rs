@@ -1,5 +1,6 @@
 //! The floor: bytes read, added and written.
 
+#[cfg(target_arch = "x86_64")]
 use outmerge::kernel::Isa;
 
 fn plain(src: &[u8], dst: &mut [u8]) {

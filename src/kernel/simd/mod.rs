@@ -82,7 +82,6 @@ pub(super) fn run(isa: Isa, task: impl Task) {
 
 /// Operations on vectors of bytes, of 16-bit and of 32-bit integers, named by the width of their elements. Shuffles, packs
 /// and interleavings stay within lanes of 16 bytes.
-#[cfg_attr(not(target_arch = "x86_64"), expect(dead_code, reason = "vectors are x86-64's only"))]
 pub(super) trait Simd: Copy {
     /// A vector of integers.
     type V: Copy;
