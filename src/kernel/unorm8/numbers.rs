@@ -194,17 +194,27 @@ impl simd::Task for Task<'_> {
 }
 
 /// The numbers of an arithmetic.
-trait Real: Copy + std::ops::Add<Output = Self> + std::ops::Sub<Output = Self> + std::ops::Mul<Output = Self> {
+trait Real:
+    Copy + PartialOrd + std::ops::Add<Output = Self> + std::ops::Sub<Output = Self> + std::ops::Mul<Output = Self>
+{
     const ZERO: Self;
     const ONE: Self;
     /// Whether a sum may be too near to the middle between two codes.
     const DOUBTS: bool;
     fn of(x: f32) -> Self;
     fn unit(code: u32) -> Self;
-    fn least(self, other: Self) -> Self;
-    fn most(self, other: Self) -> Self;
     /// The nearest code of a number in [0, 1], and how far from it the number is.
     fn code(self) -> (u32, f64);
+
+    #[inline(always)]
+    fn least(self, other: Self) -> Self {
+        if other < self { other } else { self }
+    }
+
+    #[inline(always)]
+    fn most(self, other: Self) -> Self {
+        if other > self { other } else { self }
+    }
 }
 
 impl Real for f64 {
@@ -221,16 +231,6 @@ impl Real for f64 {
     fn unit(code: u32) -> Self {
         // Signed integers convert in fewer instructions.
         Self::from(code.cast_signed()) * (1.0 / 255.0)
-    }
-
-    #[inline(always)]
-    fn least(self, other: Self) -> Self {
-        if other < self { other } else { self }
-    }
-
-    #[inline(always)]
-    fn most(self, other: Self) -> Self {
-        if other > self { other } else { self }
     }
 
     #[inline(always)]
@@ -257,16 +257,6 @@ impl Real for f32 {
     #[expect(clippy::cast_precision_loss, reason = "a code of 8 bits")]
     fn unit(code: u32) -> Self {
         code.cast_signed() as Self / 255.0
-    }
-
-    #[inline(always)]
-    fn least(self, other: Self) -> Self {
-        if other < self { other } else { self }
-    }
-
-    #[inline(always)]
-    fn most(self, other: Self) -> Self {
-        if other > self { other } else { self }
     }
 
     #[inline(always)]

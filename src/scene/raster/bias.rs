@@ -20,10 +20,15 @@ pub(super) fn offset<const N: usize>(primitive: &Primitive<N>, state: &RasterSta
         let slope = primitive.depth_slope().into_iter().fold(0.0, |top: f64, slope| slope.abs().max(top));
         offset += bias.slope_scale * f64_to_f32(slope);
     }
-    if bias.clamp > 0.0 {
-        offset.min(bias.clamp)
-    } else if bias.clamp < 0.0 {
-        offset.max(bias.clamp)
+    clamped(offset, bias.clamp)
+}
+
+/// An offset limited by the bias clamp, which is off at 0.
+pub(super) fn clamped(offset: f32, clamp: f32) -> f32 {
+    if clamp > 0.0 {
+        offset.min(clamp)
+    } else if clamp < 0.0 {
+        offset.max(clamp)
     } else {
         offset
     }

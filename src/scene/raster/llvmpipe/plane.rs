@@ -4,6 +4,7 @@ use super::{WindowVertex, multiply_add};
 use crate::format::depth::DepthKind;
 use crate::scene::number::{f64_to_f32, u32_to_f32};
 use crate::scene::raster::RasterState;
+use crate::scene::raster::bias::clamped;
 
 /// A value that changes linearly over the window.
 #[derive(Clone, Copy, Debug)]
@@ -74,13 +75,7 @@ impl Setup {
                 f32::from_bits(exponent) * constant + slope
             }
         };
-        if bias.clamp > 0.0 {
-            offset.min(bias.clamp)
-        } else if bias.clamp < 0.0 {
-            offset.max(bias.clamp)
-        } else {
-            offset
-        }
+        clamped(offset, bias.clamp)
     }
 }
 
