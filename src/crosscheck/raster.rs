@@ -78,6 +78,11 @@ struct Record {
 }
 
 @fragment
+fn paint(corner: Corner) -> @location(0) vec4<f32> {
+    return corner.a;
+}
+
+@fragment
 fn record(corner: Corner, @builtin(front_facing) front: bool) -> Record {
     return Record(vec4(corner.position.z, select(0.0, 1.0, front), 0.0, 0.0), corner.a, corner.b, 1.0);
 }
@@ -102,6 +107,20 @@ pub fn rasterise(
         [target(wide, None), target(wide, None), target(wide, None), target(TextureFormat::R32Float, Some(sum))];
     let color = MergerState { targets: targets.to_vec(), ..MergerState::default() };
     Ok(decode(&draw(device, triangles, state, &color)?))
+}
+
+/// Draws the triangles in order into one color target, the first four varyings as color, not blended.
+///
+/// # Errors
+/// [`ReplayError`].
+pub fn rasterise_color(
+    device: &Device,
+    triangles: &[[SceneVertex; 3]],
+    state: &RasterState,
+    format: TextureFormat,
+) -> Result<Framebuffer, ReplayError> {
+    let target = ColorTargetState { format, blend: None, write_mask: ColorWrites::ALL };
+    draw(device, triangles, state, &MergerState { targets: vec![Some(target)], ..MergerState::default() })
 }
 
 /// Draws the triangles in order into a depth target by `depth_stencil`, depth bias included, and gives the target.
@@ -191,7 +210,7 @@ fn pipeline(gpu: &wgpu::Device, state: &RasterState, merger: &MergerState) -> wg
         multisample: wgpu::MultisampleState::default(),
         fragment: (!merger.targets.is_empty()).then(|| wgpu::FragmentState {
             module: &module,
-            entry_point: Some("record"),
+            entry_point: Some(if merger.targets.len() == 1 { "paint" } else { "record" }),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             targets: &merger.targets,
         }),

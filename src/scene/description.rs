@@ -76,6 +76,13 @@ pub struct TargetSpec {
     pub rasteriser: Rasteriser,
 }
 
+impl TargetSpec {
+    /// Whether 8-bit unorm BGRA is the only color target.
+    pub(super) fn is_single_bgra8unorm(&self) -> bool {
+        matches!(&self.colors[..], [color] if color.format.texture_format() == TextureFormat::Bgra8Unorm)
+    }
+}
+
 /// One color target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ColorSpec {

@@ -2,12 +2,13 @@
 
 use outmerge::Extent;
 use outmerge::crosscheck::Device;
-use outmerge::crosscheck::raster::{Covered, of_llvmpipe_here, rasterise, rasterise_depth};
+use outmerge::crosscheck::raster::{Covered, of_llvmpipe_here, rasterise, rasterise_color, rasterise_depth};
 use outmerge::format::depth::{DepthFormat, DepthKind};
-use outmerge::model::NumericModel;
 use outmerge::model::llvmpipe::Llvmpipe;
+use outmerge::model::{ColorInputs, NumericModel};
 use outmerge::scene::draw::{SceneVertex, VARYINGS};
 use outmerge::scene::raster::{RasterState, Rasteriser, Span, assemble};
+use outmerge::target::ColorTarget;
 use wgpu_types::{
     CompareFunction, DepthBiasState, DepthStencilState, Face, FrontFace, PrimitiveState, StencilState, TextureFormat,
 };
@@ -128,7 +129,8 @@ fn compare(device: &Device, triangles: &[[SceneVertex; 3]], state: &RasterState,
 
 /// Counts, depths, facing and varyings must have the bits of the driver's own rasteriser.
 fn expect_bits(triangles: &[[SceneVertex; 3]], state: &RasterState, got: &[Covered]) {
-    let own = RasterState { rasteriser: of_llvmpipe_here(), ..*state };
+    // The probe draws into several targets.
+    let own = RasterState { rasteriser: of_llvmpipe_here(), guard_band: false, ..*state };
     for (i, (model, device)) in predict(triangles, &own).iter().zip(got).enumerate() {
         let model = &model.covered;
         let bits = |covered: &Covered| {
@@ -146,6 +148,22 @@ impl Numbers {
     fn next(&mut self) -> f32 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         f32::from(u16::try_from(self.0 >> 48).expect("16 bits")) / 65_536.0
+    }
+
+    /// Two triangles of a rectangle whose varyings are one plane each.
+    fn rectangle(&mut self) -> [[SceneVertex; 3]; 2] {
+        let mut side = || {
+            let (a, b) = (2.0 * self.next() - 1.0, 2.0 * self.next() - 1.0);
+            (a.min(b), a.max(b))
+        };
+        let ((left, right), (bottom, top)) = (side(), side());
+        let slopes: [[f32; 2]; VARYINGS] = std::array::from_fn(|_| [0.4 * self.next(), 0.4 * self.next()]);
+        let corner = |x: f32, y: f32| SceneVertex {
+            position: [x, y, 0.5, 1.0],
+            varyings: slopes.map(|[dx, dy]| 0.5 + dx * x + dy * y),
+        };
+        let [a, b, c, d] = [corner(left, top), corner(left, bottom), corner(right, bottom), corner(right, top)];
+        [[a, b, c], [a, c, d]]
     }
 
     fn triangle(&mut self, reach: f32, perspective: bool, clipped: bool) -> [SceneVertex; 3] {
@@ -287,6 +305,51 @@ fn interpolated_and_biased_depth_is_stored_as_the_device_does_to_the_bit() {
             let wrong = expected.iter().zip(&got).filter(|(a, b)| a != b).count();
             let first = expected.iter().zip(&got).find(|(a, b)| a != b);
             assert_eq!(wrong, 0, "{format:?}, {bias:?}: of {} texels; first {first:?}", got.len());
+        }
+    }
+}
+
+/// With 8-bit BGRA alone and without depth, llvmpipe has a guard band, and may join pairs of triangles to rectangles.
+#[test]
+fn colors_on_a_single_target_are_the_devices_to_the_byte() {
+    let Some(device) = llvmpipe() else { return };
+    let mut numbers = Numbers(5);
+    let state =
+        RasterState { rasteriser: of_llvmpipe_here(), ..RasterState::new(Extent::new(120, 70).expect("small")) };
+    for format in [TextureFormat::Rgba8Unorm, TextureFormat::Rgba16Float, TextureFormat::Bgra8Unorm] {
+        let extent = Extent::new(120, 70).expect("a legal extent");
+        let guard_band = format == TextureFormat::Bgra8Unorm;
+        let state = RasterState { rasteriser: of_llvmpipe_here(), guard_band, ..RasterState::new(extent) };
+        for reach in [0.0, 1.0, 1.8, 3.0, 9.0] {
+            let triangles: Vec<_> = if reach == 0.0 {
+                (0..20).flat_map(|_| numbers.rectangle()).collect()
+            } else {
+                (0..60).map(|_| numbers.triangle(reach, reach > 2.0, false)).collect()
+            };
+            let got = rasterise_color(device, &triangles, &state, format).unwrap_or_else(|error| panic!("{error}"));
+            let got = got.colors[0].as_ref().expect("a target");
+            let mut expected = ColorTarget::new(state.extent, got.format()).expect("memory");
+            for primitive in triangles.iter().flat_map(|triangle| assemble(*triangle, &state)) {
+                for Span { y, start, end } in primitive.spans() {
+                    for x in start..end {
+                        let [r, g, b, a, ..] = primitive.varyings(x, y);
+                        let (format, blend) = (got.format(), None);
+                        let inputs = ColorInputs {
+                            format,
+                            blend,
+                            constant: [0.0; 4],
+                            src: [r, g, b, a],
+                            src1: [0.0; 4],
+                            dst: expected.codes(x, y, 0),
+                        };
+                        expected.set_codes(x, y, 0, Llvmpipe::default().merge_color(&inputs));
+                    }
+                }
+            }
+            let texels = (0..state.extent.height).flat_map(|y| (0..state.extent.width).map(move |x| (x, y)));
+            let wrong: Vec<_> = texels.filter(|(x, y)| expected.codes(*x, *y, 0) != got.codes(*x, *y, 0)).collect();
+            let first = wrong.first().map(|(x, y)| (x, y, expected.codes(*x, *y, 0), got.codes(*x, *y, 0)));
+            assert!(wrong.is_empty(), "{format:?}, reach {reach}: {} texels; first {first:?}", wrong.len());
         }
     }
 }

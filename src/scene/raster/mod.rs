@@ -91,6 +91,9 @@ pub struct RasterState {
     pub subpixel_bits: u8,
     /// Whose rules.
     pub rasteriser: Rasteriser,
+    /// Whether [`llvmpipe`] cuts at twice the target's size instead of at its edges: it does with one bgra8unorm target and
+    /// no depth target. The reference has a wide guard band always.
+    pub guard_band: bool,
 }
 
 impl RasterState {
@@ -105,6 +108,7 @@ impl RasterState {
             depth: None,
             subpixel_bits: MAX_SUBPIXEL_BITS,
             rasteriser: Rasteriser::default(),
+            guard_band: false,
         }
     }
 }

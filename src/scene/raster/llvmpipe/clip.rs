@@ -2,21 +2,26 @@
 
 use super::{Viewport, WindowVertex};
 
-/// A side of the view volume: inside is where the sum of coordinates times these is not negative.
-const SIDES: [[f32; 4]; 6] = [
-    [-1.0, 0.0, 0.0, 1.0],
-    [1.0, 0.0, 0.0, 1.0],
-    [0.0, -1.0, 0.0, 1.0],
-    [0.0, 1.0, 0.0, 1.0],
-    [0.0, 0.0, 1.0, 0.0],
-    [0.0, 0.0, -1.0, 1.0],
-];
+/// The sides of the view volume: inside is where the sum of coordinates times these is not negative. `reach` is how many
+/// times as far as the target's edges x and y may go.
+fn sides(reach: f32) -> [[f32; 4]; 6] {
+    let edge = 1.0 / reach;
+    [
+        [-edge, 0.0, 0.0, 1.0],
+        [edge, 0.0, 0.0, 1.0],
+        [0.0, -edge, 0.0, 1.0],
+        [0.0, edge, 0.0, 1.0],
+        [0.0, 0.0, 1.0, 0.0],
+        [0.0, 0.0, -1.0, 1.0],
+    ]
+}
 
-/// Sides of depth in [`SIDES`].
+/// Sides of depth in [`sides`].
 const DEPTH_SIDES: std::ops::Range<usize> = 4..6;
 
 /// Which sides a position is outside of, by comparisons and not by [`distance`].
-fn outside([x, y, z, w]: [f32; 4]) -> [bool; 6] {
+fn outside([x, y, z, w]: [f32; 4], reach: f32) -> [bool; 6] {
+    let (x, y) = (x / reach, y / reach);
     [x > w, x + w < 0.0, y > w, y + w < 0.0, z < 0.0, z > w]
 }
 
@@ -30,14 +35,18 @@ pub(super) fn clip<const N: usize>(
     triangle: [WindowVertex<N>; 3],
     viewport: &Viewport,
     clip_depth: bool,
+    guard_band: bool,
 ) -> Vec<WindowVertex<N>> {
-    let masks = triangle.map(|vertex| outside(vertex.clip));
+    // A power of two, so that dividing by it rounds nothing.
+    let reach = if guard_band { 2.0 } else { 1.0 };
+    let masks = triangle.map(|vertex| outside(vertex.clip, reach));
+    let sides = sides(reach);
     let cuts = |side: usize| clip_depth || !DEPTH_SIDES.contains(&side);
     let mut polygon = triangle.to_vec();
-    if (0..SIDES.len()).any(|side| cuts(side) && masks.iter().all(|mask| mask[side])) {
+    if (0..sides.len()).any(|side| cuts(side) && masks.iter().all(|mask| mask[side])) {
         return Vec::new();
     }
-    for (side, plane) in SIDES.into_iter().enumerate() {
+    for (side, plane) in sides.into_iter().enumerate() {
         if cuts(side) && masks.iter().any(|mask| mask[side]) {
             polygon = cut(&polygon, plane, viewport);
         }

@@ -1,12 +1,12 @@
 //! llvmpipe's rasteriser, bit for bit: its clipping, its planes, its depth bias.
 //!
 //! What it does otherwise than the reference:
-//! 1. (`clip`) Triangles are cut at the edges of the target, without a guard band, in binary32.
+//! 1. (`clip`) Triangles are cut at the edges of the target, in binary32.
 //! 2. (`plane`) Depth, `1/w` and varyings over `w` are planes `a + x dx + y dy` in binary32, through the vertices as they
 //!    are and not as they are snapped; `a` is the value at pixel (0, 0), so much of it may cancel far from there.
 //!
-//! Snapping, facing and coverage are the reference's. Not modelled: with a single bgra8unorm target and no depth target
-//! the driver keeps a guard band, and joins pairs of triangles to rectangles.
+//! Snapping, facing and coverage are the reference's. Where a bgra8unorm target is the only one and there is no depth
+//! target, the driver cuts in x and y at twice the target's size only ([`RasterState::guard_band`]).
 //!
 //! Source: Mesa 22.3's public source (draw's clip stage, llvmpipe's setup and its fragment interpolation), held against
 //! the driver by `cargo test --all-features --test crosscheck raster`.
@@ -72,7 +72,7 @@ pub(super) fn assemble<const N: usize>(
     }
     let viewport = Viewport::new(state);
     let vertices = triangle.map(|vertex| viewport.of_vertex(&vertex, fused));
-    let polygon = clip::clip(vertices, &viewport, !state.primitive.unclipped_depth);
+    let polygon = clip::clip(vertices, &viewport, !state.primitive.unclipped_depth, state.guard_band);
     super::fan(&polygon).filter_map(|part| primitive(part, state, fused)).collect()
 }
 
