@@ -314,8 +314,6 @@ fn interpolated_and_biased_depth_is_stored_as_the_device_does_to_the_bit() {
 fn colors_on_a_single_target_are_the_devices_to_the_byte() {
     let Some(device) = llvmpipe() else { return };
     let mut numbers = Numbers(5);
-    let state =
-        RasterState { rasteriser: of_llvmpipe_here(), ..RasterState::new(Extent::new(120, 70).expect("small")) };
     for format in [TextureFormat::Rgba8Unorm, TextureFormat::Rgba16Float, TextureFormat::Bgra8Unorm] {
         let extent = Extent::new(120, 70).expect("a legal extent");
         let guard_band = format == TextureFormat::Bgra8Unorm;
