@@ -1,5 +1,5 @@
-//! Rows of arbitrary codes, and of arbitrary numbers in planes: every kernel there is stores what the reference stores, on every instruction set, wherever a
-//! row is cut.
+//! Rows of arbitrary codes, and of arbitrary numbers in planes: every kernel there is stores what the reference stores, on
+//! every instruction set, wherever a row is cut.
 
 use outmerge::format::ColorFormat;
 use outmerge::kernel::{Colors, Isa, Kernel, Span, SpanMerger};

@@ -10,7 +10,7 @@ use crate::crosscheck::{Destination, Device, Job, ReplayError, Sources, Sweep};
 use crate::format::ColorFormat;
 use crate::merger::write_mask;
 use crate::model::ColorInputs;
-use crate::state::MergerState;
+use crate::state::{MergerState, reads_second_source};
 use crate::target::{Extent, Framebuffer};
 use crate::vectors::{Generator, VectorLine};
 
@@ -73,13 +73,6 @@ pub(super) fn run(
         tally.left_out = Some(format!("{left_out} states with a second source, which the adapter lacks"));
     }
     Ok(())
-}
-
-/// Whether a state reads the second source.
-pub(super) fn reads_second_source(state: &BlendState) -> bool {
-    [state.color, state.alpha]
-        .iter()
-        .any(|c| c.src_factor.ref_second_blend_source() || c.dst_factor.ref_second_blend_source())
 }
 
 /// Runs several states on one line's inputs.

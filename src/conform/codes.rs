@@ -8,7 +8,6 @@ use std::ops::ControlFlow;
 
 use wgpu_types::{BlendComponent, BlendFactor, BlendState, ColorTargetState, ColorWrites, TextureFormat};
 
-use super::blend::reads_second_source;
 use super::level::{component_name, equal_states};
 use super::run::{Compared, Subject, Tally, compare, texel};
 use crate::crosscheck::{Destination, Device, Fragments, Input, Job, Program, ReplayError, Sweep};
@@ -16,7 +15,7 @@ use crate::format::{Codes, ColorFormat};
 use crate::kernel::Kernel;
 use crate::model::ColorInputs;
 use crate::model::llvmpipe::integer::merge_codes8;
-use crate::state::MergerState;
+use crate::state::{MergerState, reads_second_source};
 use crate::target::{Extent, Framebuffer};
 
 /// Source codes go in steps of this between red, green and blue.

@@ -1,11 +1,11 @@
 //! What a replay is given: initial target bytes and layers of fragments, and the checks on them.
 
-use wgpu::{BlendState, Features, TextureFormat};
+use wgpu::{Features, TextureFormat};
 
 use super::device::{Device, DeviceError, feature_names};
 use crate::format::DepthFormat;
 use crate::fragment::Fragment;
-use crate::state::{MAX_COLOR_TARGETS, MergerState};
+use crate::state::{MAX_COLOR_TARGETS, MergerState, reads_second_source};
 use crate::target::{Framebuffer, TargetError};
 
 /// Where a layer's depth comes from.
@@ -240,11 +240,4 @@ impl Layer {
 #[must_use]
 pub fn state_reads_second_source(state: &MergerState) -> bool {
     state.targets.iter().flatten().filter_map(|target| target.blend.as_ref()).any(reads_second_source)
-}
-
-/// Whether a factor of `blend` reads the second source.
-fn reads_second_source(blend: &BlendState) -> bool {
-    [blend.color, blend.alpha]
-        .iter()
-        .any(|part| part.src_factor.ref_second_blend_source() || part.dst_factor.ref_second_blend_source())
 }

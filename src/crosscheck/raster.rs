@@ -106,7 +106,7 @@ pub fn rasterise(
     let targets =
         [target(wide, None), target(wide, None), target(wide, None), target(TextureFormat::R32Float, Some(sum))];
     let color = MergerState { targets: targets.to_vec(), ..MergerState::default() };
-    Ok(decode(&draw(device, triangles, state, &color)?))
+    Ok(decode(&draw(device, triangles, state, &color, Some("record"))?))
 }
 
 /// Draws the triangles in order into one color target, the first four varyings as color, not blended.
@@ -120,7 +120,8 @@ pub fn rasterise_color(
     format: TextureFormat,
 ) -> Result<Framebuffer, ReplayError> {
     let target = ColorTargetState { format, blend: None, write_mask: ColorWrites::ALL };
-    draw(device, triangles, state, &MergerState { targets: vec![Some(target)], ..MergerState::default() })
+    let color = MergerState { targets: vec![Some(target)], ..MergerState::default() };
+    draw(device, triangles, state, &color, Some("paint"))
 }
 
 /// Draws the triangles in order into a depth target by `depth_stencil`, depth bias included, and gives the target.
@@ -133,14 +134,17 @@ pub fn rasterise_depth(
     state: &RasterState,
     depth_stencil: DepthStencilState,
 ) -> Result<Framebuffer, ReplayError> {
-    draw(device, triangles, state, &MergerState { depth_stencil: Some(depth_stencil), ..MergerState::default() })
+    let depth = MergerState { depth_stencil: Some(depth_stencil), ..MergerState::default() };
+    draw(device, triangles, state, &depth, None)
 }
 
+/// Draws with the fragment shader of this name, if any.
 fn draw(
     device: &Device,
     triangles: &[[SceneVertex; 3]],
     state: &RasterState,
     merger: &MergerState,
+    shader: Option<&str>,
 ) -> Result<Framebuffer, ReplayError> {
     let initial = Framebuffer::for_state(state.extent, merger)?;
     let gpu = &device.device;
@@ -154,7 +158,7 @@ fn draw(
         let [near, far] = state.depth_range;
         let [width, height] = [state.extent.width, state.extent.height].map(u32_to_f32);
         pass.set_viewport(0.0, 0.0, width, height, near, far);
-        pass.set_pipeline(&pipeline(gpu, state, merger));
+        pass.set_pipeline(&pipeline(gpu, state, merger, shader));
         pass.set_vertex_buffer(0, vertices.slice(..));
         pass.draw(0..u32::try_from(3 * triangles.len()).unwrap_or(u32::MAX), 0..1);
     }
@@ -182,7 +186,12 @@ fn vertex_buffer(device: &Device, triangles: &[[SceneVertex; 3]]) -> wgpu::Buffe
     buffer
 }
 
-fn pipeline(gpu: &wgpu::Device, state: &RasterState, merger: &MergerState) -> wgpu::RenderPipeline {
+fn pipeline(
+    gpu: &wgpu::Device,
+    state: &RasterState,
+    merger: &MergerState,
+    shader: Option<&str>,
+) -> wgpu::RenderPipeline {
     let module = gpu.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("rasteriser probe"),
         source: wgpu::ShaderSource::Wgsl(SHADER.into()),
@@ -208,9 +217,9 @@ fn pipeline(gpu: &wgpu::Device, state: &RasterState, merger: &MergerState) -> wg
         primitive: state.primitive,
         depth_stencil: merger.depth_stencil.clone(),
         multisample: wgpu::MultisampleState::default(),
-        fragment: (!merger.targets.is_empty()).then(|| wgpu::FragmentState {
+        fragment: shader.map(|entry_point| wgpu::FragmentState {
             module: &module,
-            entry_point: Some(if merger.targets.len() == 1 { "paint" } else { "record" }),
+            entry_point: Some(entry_point),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             targets: &merger.targets,
         }),

@@ -127,10 +127,14 @@ fn footprint(primitive: &Primitive<VARYINGS>, x: u32, y: u32, fine: bool) -> Foo
         let [u, v, ..] = primitive.varyings(x, y);
         [u, v]
     };
-    let (left, top) = (x & !1, y & !1);
-    let (column, row) = if fine { (x, y) } else { (left, top) };
-    let difference = |[a, b]: [f32; 2], [c, d]: [f32; 2]| [c - a, d - b];
-    Footprint { dx: difference(uv(left, row), uv(left + 1, row)), dy: difference(uv(column, top), uv(column, top + 1)) }
+    let (x, y) = if fine { (x, y) } else { (x & !1, y & !1) };
+    let here = uv(x, y);
+    // To the right or down, whichever of the two is here.
+    let from = |other: [f32; 2], last: bool| {
+        let (a, b) = if last { (other, here) } else { (here, other) };
+        [b[0] - a[0], b[1] - a[1]]
+    };
+    Footprint { dx: from(uv(x ^ 1, y), x % 2 == 1), dy: from(uv(x, y ^ 1), y % 2 == 1) }
 }
 
 /// The vertices of a draw as one list, for a device.

@@ -17,7 +17,7 @@ pub mod webgpu;
 
 pub use block::StateBlock;
 
-use wgpu_types::{ColorTargetState, CompareFunction, DepthStencilState, MultisampleState};
+use wgpu_types::{BlendComponent, BlendState, ColorTargetState, CompareFunction, DepthStencilState, MultisampleState};
 
 /// Color targets a pass may have at most (WebGPU's guaranteed `maxColorAttachments`).
 pub const MAX_COLOR_TARGETS: usize = 8;
@@ -37,6 +37,17 @@ pub struct MergerState {
     pub alpha_test: AlphaTest,
     /// Values set per draw rather than per pipeline.
     pub dynamic: DynamicState,
+}
+
+/// Whether a factor of the state names the second source.
+#[must_use]
+pub fn reads_second_source(blend: &BlendState) -> bool {
+    [blend.color, blend.alpha].iter().any(component_reads_second_source)
+}
+
+/// The same of one equation.
+pub(crate) fn component_reads_second_source(component: &BlendComponent) -> bool {
+    component.src_factor.ref_second_blend_source() || component.dst_factor.ref_second_blend_source()
 }
 
 /// Values a render pass sets per draw.

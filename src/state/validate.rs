@@ -3,9 +3,9 @@
 //! Source: WebGPU, *GPUColorTargetState*, *GPUBlendState*, *GPUDepthStencilState*, *GPUMultisampleState* (validating
 //! steps) and *Texture Format Capabilities*.
 
-use wgpu_types::{BlendComponent, BlendFactor, BlendOperation, ColorTargetState, DepthStencilState, StencilOperation};
+use wgpu_types::{BlendFactor, BlendOperation, ColorTargetState, DepthStencilState, StencilOperation};
 
-use super::{AlphaTest, MAX_COLOR_TARGETS, MergerState};
+use super::{AlphaTest, MAX_COLOR_TARGETS, MergerState, component_reads_second_source};
 use crate::format::{ChannelKind, ColorFormat, DepthFormat, FormatError};
 
 /// A state WebGPU refuses.
@@ -133,7 +133,7 @@ fn color_target(
         if extreme && (component.src_factor, component.dst_factor) != (BlendFactor::One, BlendFactor::One) {
             return Err(at(path, Problem::ExtremeFactors));
         }
-        if uses_second_source(component) {
+        if component_reads_second_source(component) {
             if count != 1 {
                 return Err(at(path, Problem::DualSourceTargets(count)));
             }
@@ -141,10 +141,6 @@ fn color_target(
         }
     }
     Ok(())
-}
-
-fn uses_second_source(component: &BlendComponent) -> bool {
-    component.src_factor.ref_second_blend_source() || component.dst_factor.ref_second_blend_source()
 }
 
 fn depth_stencil_state(state: &DepthStencilState) -> Result<(), ValidationError> {
@@ -187,7 +183,9 @@ fn multisample(state: &MergerState) -> Result<(), ValidationError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use wgpu_types::{BlendState, CompareFunction, DepthBiasState, StencilFaceState, StencilState, TextureFormat};
+    use wgpu_types::{
+        BlendComponent, BlendState, CompareFunction, DepthBiasState, StencilFaceState, StencilState, TextureFormat,
+    };
 
     fn target(format: TextureFormat, blend: Option<BlendState>) -> MergerState {
         MergerState::single(ColorTargetState { blend, ..format.into() })

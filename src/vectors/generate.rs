@@ -9,7 +9,7 @@ use super::{ColorDraw, DepthLine, Kind, LayersLine, Line, VectorLine};
 use crate::format::depth::DepthKind;
 use crate::format::{ChannelKind, ColorFormat, DepthFormat, FloatLayout, TargetClass, snorm, unorm};
 use crate::merger::depth_stencil::DepthStencil;
-use crate::state::spelling;
+use crate::state::{reads_second_source, spelling};
 
 /// A seeded source of vector lines.
 #[derive(Clone, Debug)]
@@ -155,11 +155,7 @@ impl Generator {
     /// A random state, and fragments for every texel.
     fn draw(&mut self, format: ColorFormat, texels: usize) -> ColorDraw {
         let blend = (self.random.u8(..8) > 0).then(|| self.blend());
-        let dual = blend.is_some_and(|blend| {
-            [blend.color, blend.alpha]
-                .iter()
-                .any(|c| c.src_factor.ref_second_blend_source() || c.dst_factor.ref_second_blend_source())
-        });
+        let dual = blend.as_ref().is_some_and(reads_second_source);
         let mask =
             if self.random.bool() { ColorWrites::ALL } else { ColorWrites::from_bits_truncate(self.random.u32(..16)) };
         let mut colors =

@@ -1,6 +1,7 @@
 //! 8-bit unorm targets with four channels: any blend state; in integers where sources are 8-bit codes, else by [`numbers`].
 
 pub(crate) mod flat;
+mod held;
 pub(super) mod numbers;
 pub(crate) mod row;
 pub mod rule;
@@ -126,12 +127,6 @@ fn interleave(planes: [&[f32]; 4], places: [usize; TEXEL], row: &mut [u8], code:
         // No early end: the loop is the compiler's to vectorise.
         plane.iter().fold(true, |all, x| all & (0.0..=1.0).contains(x))
     })
-}
-
-/// A code of 8 bits.
-fn low_code(code: u32) -> u8 {
-    let [code, ..] = code.to_le_bytes();
-    code
 }
 
 /// RGBA in the target's byte order.

@@ -4,12 +4,13 @@
 //! the loops have no branches and are left to the compiler's vectors.
 //!
 //! `f32` performs the model's own operations. `exact`: sources and constants are in [0, 1] and exact, a decoded code is off
-//! by at most 2^-52, and so is each of the at most six operations on numbers up to 2. That is less than 2^-48 in all, and less than
-//! [`DOUBT`] in codes. A sum that near to the middle between two codes is decided by [`tie`], in binary64 operations that
-//! are seen to be exact, or else by the reference.
+//! by at most 2^-52, and so is each of the at most six operations on numbers up to 2. That is less than 2^-48 in all, and
+//! less than [`DOUBT`] in codes. A sum that near to the middle between two codes is decided by the model's equation in
+//! binary64 operations that are seen to be exact ([`held`](super::held)), or else by the reference.
 
 use wgpu_types::{BlendFactor as F, BlendOperation as Op, BlendState, ColorTargetState, TextureFormat};
 
+use super::held::Held;
 use super::{ordered, write_mask};
 use crate::format::{Codes, ColorFormat};
 use crate::kernel::simd::{self, Isa, Simd};
@@ -17,7 +18,8 @@ use crate::kernel::{FloatRule, TEXEL};
 use crate::merger::blend::clamp::clamp_input;
 use crate::merger::blend::component;
 use crate::model::exact::Exact;
-use crate::model::{ColorInputs, NumericModel};
+use crate::model::{ColorInputs, NumericModel, evaluate};
+use crate::state::reads_second_source;
 
 /// Texels at a time.
 const LANES: usize = 32;
@@ -74,10 +76,7 @@ impl Numbers {
 
     /// Whether the second source is read.
     pub(in crate::kernel) fn reads_second_source(&self) -> bool {
-        let second = |factor: F| factor.ref_second_blend_source();
-        self.blend.is_some_and(|blend| {
-            [blend.color, blend.alpha].iter().any(|c| second(c.src_factor) || second(c.dst_factor))
-        })
+        self.blend.as_ref().is_some_and(reads_second_source)
     }
 
     /// Merges a row. `keep`, one byte a texel, is not 0 where the fragment is merged.
@@ -158,21 +157,14 @@ impl Numbers {
     #[inline(never)]
     fn decide(&self, src: [f32; 4], src1: [f32; 4], before: u32) -> u32 {
         let dst: Codes = ordered(before.to_le_bytes(), self.swap).map(u32::from);
-        let clamped = |color: [f32; 4]| color.map(|x| clamp_input(x, self.format.class()));
-        let inputs = ColorInputs {
-            format: self.format,
-            blend: self.blend,
-            constant: self.constant,
-            src: clamped(src),
-            src1: clamped(src1),
-            dst,
+        let (format, blend, constant) = (self.format, self.blend, self.constant);
+        let inputs = ColorInputs { format, blend, constant, src, src1, dst };
+        let held = Held::default();
+        let codes = match evaluate(&held, &inputs) {
+            codes if !held.in_doubt() => codes,
+            _ => Exact::default().merge_color(&inputs),
         };
-        let [r, g, b, a] = std::array::from_fn(|channel| tie(&inputs, channel));
-        let codes = match (r, g, b, a) {
-            (Some(r), Some(g), Some(b), Some(a)) => [r, g, b, a],
-            _ => Exact::default().merge_color(&inputs).map(super::low_code),
-        };
-        u32::from_le_bytes(ordered(codes, self.swap))
+        codes.into_iter().enumerate().fold(0, |texel, (channel, code)| texel | code << self.shift(channel))
     }
 }
 
@@ -363,86 +355,4 @@ fn each<R: Real>(a: &[R; LANES], b: &[R; LANES], operation: impl Fn(R, R) -> R) 
         result[i] = operation(a[i], b[i]);
     }
     result
-}
-
-/// The code of one channel, where binary64 holds every step of its equation; sources are in [0, 1].
-fn tie(inputs: &ColorInputs, channel: usize) -> Option<u8> {
-    let ColorInputs { src, dst, .. } = inputs;
-    let s = f64::from(src[channel]);
-    let d = f64::from(dst[channel]);
-    let scaled = product(255.0, s)?;
-    let codes = match inputs.blend.as_ref().map(|blend| component(blend, channel)) {
-        None => scaled,
-        Some(equation) => {
-            let term = |x: f64, factor: F| product(x, exact_factor(factor, channel, inputs)?);
-            let terms = || Some((term(scaled, equation.src_factor)?, term(d, equation.dst_factor)?));
-            match equation.operation {
-                Op::Min => scaled.min(d),
-                Op::Max => scaled.max(d),
-                Op::Add => terms().and_then(|(s, d)| sum(s, d))?,
-                Op::Subtract => terms().and_then(|(s, d)| sum(s, -d))?,
-                Op::ReverseSubtract => terms().and_then(|(s, d)| sum(d, -s))?,
-            }
-        }
-    };
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a code")]
-    let code = codes.clamp(0.0, 255.0).round_ties_even() as u8;
-    Some(code)
-}
-
-/// A factor, where binary64 holds it.
-fn exact_factor(factor: F, channel: usize, inputs: &ColorInputs) -> Option<f64> {
-    let ColorInputs { src, src1, constant, dst, .. } = inputs;
-    let stored = |code: u32| code.is_multiple_of(255).then(|| f64::from(code / 255));
-    let rest = |x: f64| sum(1.0, -x);
-    let number = |x: f32| f64::from(x);
-    match factor {
-        F::Zero => Some(0.0),
-        F::One => Some(1.0),
-        F::Src => Some(number(src[channel])),
-        F::OneMinusSrc => rest(number(src[channel])),
-        F::SrcAlpha => Some(number(src[3])),
-        F::OneMinusSrcAlpha => rest(number(src[3])),
-        F::Dst => stored(dst[channel]),
-        F::OneMinusDst => stored(255 - dst[channel]),
-        F::DstAlpha => stored(dst[3]),
-        F::OneMinusDstAlpha => stored(255 - dst[3]),
-        F::SrcAlphaSaturated if channel == 3 => Some(1.0),
-        F::SrcAlphaSaturated => stored(255 - dst[3]).map(|room| room.min(number(src[3]))),
-        F::Constant => Some(number(constant[channel])),
-        F::OneMinusConstant => rest(number(constant[channel])),
-        F::Src1 => Some(number(src1[channel])),
-        F::OneMinusSrc1 => rest(number(src1[channel])),
-        F::Src1Alpha => Some(number(src1[3])),
-        F::OneMinusSrc1Alpha => rest(number(src1[3])),
-    }
-}
-
-/// `x y`, where that has 53 bits or fewer; both are 0 or at least 2^-298.
-fn product(x: f64, y: f64) -> Option<f64> {
-    let bits = |x: f64| if x == 0.0 { 0 } else { 53 - (x.to_bits() | 1 << 52).trailing_zeros().min(52) };
-    (bits(x) + bits(y) <= 53).then_some(x * y)
-}
-
-/// `x + y`, where that is a number: its rounding error is 0 (Knuth's two-sum).
-fn sum(x: f64, y: f64) -> Option<f64> {
-    let sum = x + y;
-    let part = sum - x;
-    ((x - (sum - part)) + (y - part) == 0.0).then_some(sum)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn products_and_sums_that_binary64_does_not_hold_are_told() {
-        let odd = |bits: i32| 1.0 + (f64::from(bits) - 1.0).exp2();
-        assert_eq!(product(odd(26), odd(27)), Some(odd(26) * odd(27)), "53 bits");
-        assert_eq!(product(odd(27), odd(28)), None, "54 bits");
-        assert_eq!(product(255.0, 0.5), Some(127.5), "few bits");
-        assert_eq!(product(0.0, odd(53)), Some(0.0), "zero has none");
-        assert_eq!(sum(1.0, -f64::from(f32::MIN_POSITIVE)), None, "bits too far apart");
-        assert_eq!(sum(127.25, 0.25), Some(127.5));
-    }
 }

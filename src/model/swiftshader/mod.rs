@@ -30,6 +30,7 @@ use crate::format::depth::DepthKind;
 use crate::format::{ChannelKind, Codes, ColorFormat, FloatLayout, TargetClass, unorm};
 use crate::merger::blend::{self, Steps, blend};
 use crate::merger::encode::encode;
+use crate::state::reads_second_source;
 
 /// The SwiftShader model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -163,6 +164,10 @@ impl Arithmetic for SwiftShader {
 }
 
 impl SwiftShader {
+    fn steps(&self, inputs: &ColorInputs) -> Steps<f32> {
+        shortcut::apply(inputs, blend(self, inputs))
+    }
+
     fn stored(&self, inputs: &ColorInputs, steps: &Steps<f32>) -> Codes {
         match inputs.blend {
             Some(blend) if shortcut::keeps_destination(&blend) => self.rewrite_untouched(inputs.format, inputs.dst),
@@ -185,23 +190,18 @@ impl NumericModel for SwiftShader {
         if format.class() == TargetClass::Snorm {
             return unsupported("the driver does not render to signed normalised targets");
         }
-        let second = |blend: &BlendState| {
-            [blend.color, blend.alpha]
-                .iter()
-                .any(|c| c.src_factor.ref_second_blend_source() || c.dst_factor.ref_second_blend_source())
-        };
-        if blend.is_some_and(second) {
+        if blend.is_some_and(reads_second_source) {
             return unsupported("the driver has no second blend source");
         }
         Ok(())
     }
 
     fn merge_color(&self, inputs: &ColorInputs) -> Codes {
-        self.stored(inputs, &shortcut::apply(inputs, blend(self, inputs)))
+        self.stored(inputs, &self.steps(inputs))
     }
 
     fn explain_color(&self, inputs: &ColorInputs) -> Explanation {
-        let steps = shortcut::apply(inputs, blend(self, inputs));
+        let steps = self.steps(inputs);
         blend::explain(self, inputs, &steps, self.stored(inputs, &steps))
     }
 

@@ -6,7 +6,7 @@ use wgpu_types::{BlendComponent, BlendFactor as F, BlendOperation as Op, BlendSt
 
 use super::SwiftShader;
 use crate::format::TargetClass;
-use crate::merger::blend::Steps;
+use crate::merger::blend::{Steps, component};
 use crate::model::{Arithmetic, ColorInputs};
 
 /// What a short equation stores.
@@ -36,7 +36,7 @@ pub(super) fn apply(inputs: &ColorInputs, mut steps: Steps<f32>) -> Steps<f32> {
     let class = inputs.format.class();
     let Some(blend) = inputs.blend.filter(|_| class == TargetClass::Float) else { return steps };
     for i in 0..4 {
-        let value = match short(if i == 3 { &blend.alpha } else { &blend.color }) {
+        let value = match short(component(&blend, i)) {
             None => continue,
             Some(Short::Zero) => 0.0,
             Some(Short::Source) => steps.operands.src[i],

@@ -27,9 +27,9 @@ fn content(report: &DeviceReport) -> Result<Markup, image::ImageError> {
     let all = &report.all;
     Ok(html! {
         p { "The same scenes, rasterised and shaded in WGSL by " (report.adapter) ", compared with " code { (report.model) }
-            ". Shader arithmetic and texture filters differ in the last bits, and so does interpolation where the driver's \
-             rasteriser is not modelled, so some fragments do; where all fragments of a pixel are alike, so must the stored colors be, and the device's own fragments must merge as the model \
-             merges them." }
+            ". Shader arithmetic and texture filters differ in the last bits, and so does interpolation where the \
+             driver's rasteriser is not modelled, so some fragments do; where all fragments of a pixel are alike, so \
+             must the stored colors be, and the device's own fragments must merge as the model merges them." }
         table {
             tbody {
                 (count("pixels", all.texels))

@@ -16,12 +16,12 @@ pub struct Primitive<const N: usize> {
     pub(super) area: i64,
     /// The vertices, wound so that the edge functions are positive inside.
     pub(super) corners: [Corner<N>; 3],
-    /// Depth bias, added to every depth.
+    /// Depth bias, added to every depth that is interpolated by weights.
     pub(super) bias: f32,
-    /// Interpolation by planes instead of weights.
+    /// Interpolation by planes instead of weights, with a bias of its own.
     pub(super) planes: Option<Planes<N>>,
     /// Whether the second and third vertex changed places.
-    swapped: bool,
+    pub(super) swapped: bool,
     front_facing: bool,
     size: [u32; 2],
 }
@@ -80,9 +80,12 @@ fn snap(position: f32, bits: u8) -> i64 {
 impl<const N: usize> Primitive<N> {
     /// Sets a clipped triangle up; `None` when it has no area, is culled or its division overflows.
     pub(super) fn new(triangle: [Vertex<N>; 3], state: &RasterState) -> Option<Self> {
-        Self::from_corners(triangle.map(|vertex| Corner::new(&vertex, state)), state)
+        let mut primitive = Self::from_corners(triangle.map(|vertex| Corner::new(&vertex, state)), state)?;
+        primitive.bias = bias::offset(&primitive, state);
+        Some(primitive)
     }
 
+    /// The same of vertices in the window, without bias.
     pub(super) fn from_corners(mut corners: [Corner<N>; 3], state: &RasterState) -> Option<Self> {
         if corners.iter().any(|corner| !corner.is_usable()) {
             return None;
@@ -99,7 +102,7 @@ impl<const N: usize> Primitive<N> {
             corners.swap(1, 2);
         }
         let [a, b, c] = corners.map(|corner| corner.position);
-        let mut primitive = Self {
+        Some(Self {
             edges: [Edge::new(b, c), Edge::new(c, a), Edge::new(a, b)],
             area: signed.abs(),
             corners,
@@ -108,17 +111,7 @@ impl<const N: usize> Primitive<N> {
             swapped: signed < 0,
             front_facing,
             size: [state.extent.width, state.extent.height],
-        };
-        primitive.bias = bias::offset(&primitive, state);
-        Some(primitive)
-    }
-
-    pub(super) fn swapped(&self) -> bool {
-        self.swapped
-    }
-
-    pub(super) fn set_planes(&mut self, planes: Planes<N>) {
-        self.planes = Some(planes);
+        })
     }
 
     /// Whether the triangle faces the viewer.

@@ -1,6 +1,7 @@
 //! Cutting one triangle at the sides of the view volume, in binary32, as Mesa's draw module does it.
 
 use super::{Viewport, WindowVertex};
+use crate::scene::raster::RasterState;
 
 /// The sides of the view volume: inside is where the sum of coordinates times these is not negative. `reach` is how many
 /// times as far as the target's edges x and y may go.
@@ -34,14 +35,13 @@ fn distance(position: [f32; 4], side: [f32; 4]) -> f32 {
 pub(super) fn clip<const N: usize>(
     triangle: [WindowVertex<N>; 3],
     viewport: &Viewport,
-    clip_depth: bool,
-    guard_band: bool,
+    state: &RasterState,
 ) -> Vec<WindowVertex<N>> {
     // A power of two, so that dividing by it rounds nothing.
-    let reach = if guard_band { 2.0 } else { 1.0 };
+    let reach = if state.guard_band { 2.0 } else { 1.0 };
     let masks = triangle.map(|vertex| outside(vertex.clip, reach));
     let sides = sides(reach);
-    let cuts = |side: usize| clip_depth || !DEPTH_SIDES.contains(&side);
+    let cuts = |side: usize| !state.primitive.unclipped_depth || !DEPTH_SIDES.contains(&side);
     let mut polygon = triangle.to_vec();
     if (0..sides.len()).any(|side| cuts(side) && masks.iter().all(|mask| mask[side])) {
         return Vec::new();
@@ -67,8 +67,8 @@ fn cut<const N: usize>(polygon: &[WindowVertex<N>], side: [f32; 4], viewport: &V
             kept.push(polygon[i]);
         }
         if (here >= 0.0) != (there >= 0.0) {
-            // From the end that lies nearer to the side, so that little is multiplied; of equals from the first where the edge leaves, from the second
-            // where it enters.
+            // From the end that lies nearer to the side, so that little is multiplied; of equals from the first where
+            // the edge leaves, from the second where it enters.
             let from_next = if here >= 0.0 { -there < here } else { -here >= there };
             let (start, end, t) =
                 if from_next { (next, i, there / (there - here)) } else { (i, next, -here / (there - here)) };

@@ -72,7 +72,7 @@ pub(super) fn assemble<const N: usize>(
     }
     let viewport = Viewport::new(state);
     let vertices = triangle.map(|vertex| viewport.of_vertex(&vertex, fused));
-    let polygon = clip::clip(vertices, &viewport, !state.primitive.unclipped_depth, state.guard_band);
+    let polygon = clip::clip(vertices, &viewport, state);
     super::fan(&polygon).filter_map(|part| primitive(part, state, fused)).collect()
 }
 
@@ -81,7 +81,7 @@ fn primitive<const N: usize>(vertices: [WindowVertex<N>; 3], state: &RasterState
     let mut primitive = Primitive::from_corners(corners, state)?;
     // The driver's setup wants the other winding than the edge functions here, and its own first vertex first.
     let [a, b, c] = vertices;
-    let ordered = if primitive.swapped() { [a, b, c] } else { [a, c, b] };
-    primitive.set_planes(Planes::new(&ordered, state, fused));
+    let ordered = if primitive.swapped { [a, b, c] } else { [a, c, b] };
+    primitive.planes = Some(Planes::new(&ordered, state, fused));
     Some(primitive)
 }
