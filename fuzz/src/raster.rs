@@ -5,6 +5,7 @@ use std::collections::HashSet;
 
 use outmerge::Extent;
 use outmerge::format::depth::DepthKind;
+use outmerge::model::llvmpipe::Generation;
 use outmerge::scene::raster::{RasterState, Rasteriser, Vertex, assemble};
 use wgpu_types::{DepthBiasState, Face, FrontFace};
 
@@ -41,7 +42,9 @@ pub fn check(data: &[u8]) {
         }
     }
     assert!(drawn.is_subset(&all), "culling only removes");
-    for rasteriser in [Rasteriser::Llvmpipe, Rasteriser::LlvmpipeUnfused] {
+    for rasteriser in
+        Generation::ALL.into_iter().flat_map(|g| [Rasteriser::Llvmpipe(g), Rasteriser::LlvmpipeUnfused(g)])
+    {
         pixels([a, b, c], &RasterState { rasteriser, ..state });
     }
 }

@@ -189,13 +189,10 @@ impl Sweep {
             output::print(&units.iter().map(|unit| unit.id() + "\n").collect::<String>())?;
             return Ok(Outcome::Fine);
         }
-        let names = if self.model.is_empty() && self.judging.spec.is_empty() {
-            registry::all().iter().map(|model| model.name()).collect()
-        } else {
-            self.model.clone()
-        };
-        let subjects = names.iter().map(|name| Subject::new(name)).collect::<Result<Vec<_>, _>>()?;
-        let panel = Panel { subjects, judges: self.judging.judges() };
+        // Names are checked before a device is opened; what they leave unsaid is then the device's.
+        for name in &self.model {
+            registry::by_name(name)?;
+        }
         adapter::reexec_without_shader_cache()?;
         let options = OpenOptions {
             adapter: self.adapter.clone(),
@@ -203,6 +200,17 @@ impl Sweep {
             ..OpenOptions::default()
         };
         let device = Device::open(&options)?;
+        if let Some(warning) = device.report().warning() {
+            output::complain(&warning);
+        }
+        let drivers = device.report().drivers();
+        let names = if self.model.is_empty() && self.judging.spec.is_empty() {
+            registry::all_among(drivers).iter().map(|model| model.name()).collect()
+        } else {
+            self.model.clone()
+        };
+        let subjects = names.iter().map(|name| Subject::new(name, drivers)).collect::<Result<Vec<_>, _>>()?;
+        let panel = Panel { subjects, judges: self.judging.judges() };
         let mut results = Results {
             version: VERSION,
             adapter: device.report().to_string(),

@@ -84,8 +84,8 @@ impl Draw<'_> {
         let n = self.first + u32::try_from(i).unwrap_or(u32::MAX);
         let codes = |inputs: [Input; 4]| inputs.map(|input| code(input, n));
         let (src, src1, dst) = (codes(self.source), codes(self.second), stored(n));
-        if subject.llvmpipe.is_some() {
-            return merge_codes8(blend, src, src1, [self.constant; 4], dst);
+        if let Some(llvmpipe) = subject.llvmpipe {
+            return merge_codes8(llvmpipe.generation, blend, src, src1, [self.constant; 4], dst);
         }
         let output = |codes: Codes| codes.map(|code| u8::try_from(code).map_or(1.0, |code| f32::from(code) / 255.0));
         subject.model.merge_color(&ColorInputs {
@@ -316,6 +316,8 @@ fn draw(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::llvmpipe::Generation;
+    use crate::model::registry::Drivers;
 
     #[test]
     fn a_plane_has_every_source_destination_and_alpha() {
@@ -344,7 +346,7 @@ mod tests {
             ("llvmpipe", both(BlendFactor::Src1, BlendFactor::OneMinusSrc1Alpha)),
             ("f32", both(BlendFactor::Constant, BlendFactor::SrcAlphaSaturated)),
         ] {
-            let subject = Subject::new(name).expect("a model");
+            let subject = Subject::new(name, Drivers::default()).expect("a model");
             let mut state = merger_state(blend);
             state.dynamic.blend_constant = [f32::from(77_u8) / 255.0; 4];
             let draw = Draw {
@@ -366,7 +368,10 @@ mod tests {
         let state = merger_state(both(BlendFactor::One, BlendFactor::Zero));
         let fine = [look_up(1, 256, 0); 4];
         let draw = Draw { state: &state, source: fine, second: fine, constant: 0, first: 0 };
-        assert!(Rows::new(&draw, &Subject::new("llvmpipe").expect("a model")).is_none(), "sources change in a run");
+        assert!(
+            Rows::new(&draw, &Subject::new("llvmpipe", Drivers::default()).expect("a model")).is_none(),
+            "sources change in a run"
+        );
     }
 
     #[test]
@@ -377,6 +382,10 @@ mod tests {
             operation: wgpu_types::BlendOperation::Min,
         };
         let blend = BlendState { color: state, alpha: state };
-        assert_eq!(merge_codes8(&blend, [9; 4], [0; 4], [0; 4], [7; 4]), [7; 4], "the smaller code");
+        assert_eq!(
+            merge_codes8(Generation::default(), &blend, [9; 4], [0; 4], [0; 4], [7; 4]),
+            [7; 4],
+            "the smaller code"
+        );
     }
 }

@@ -13,8 +13,8 @@ use crate::admissible::Judge;
 use crate::crosscheck::{Device, ReplayError};
 use crate::format::{ChannelKind, Codes, ColorFormat};
 use crate::model::NumericModel;
-use crate::model::llvmpipe::{Llvmpipe, VectorWidth};
-use crate::model::registry::{self, ModelNameError};
+use crate::model::llvmpipe::Llvmpipe;
+use crate::model::registry::{self, Drivers, ModelNameError};
 
 /// A model under comparison.
 #[derive(Debug)]
@@ -30,18 +30,14 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// The model with this name.
+    /// The model with this name; what the name of a driver leaves unsaid is as in `drivers`.
     ///
     /// # Errors
     /// [`ModelNameError`].
-    pub fn new(name: &str) -> Result<Self, ModelNameError> {
-        let model = registry::by_name(name)?;
+    pub fn new(name: &str, drivers: Drivers) -> Result<Self, ModelNameError> {
+        let model = registry::by_name_among(name, drivers)?;
+        let llvmpipe = registry::llvmpipe(name, drivers)?;
         let name = model.name();
-        let llvmpipe = match name.as_str() {
-            "llvmpipe" => Some(Llvmpipe::default()),
-            "llvmpipe:128" => Some(Llvmpipe { vector_width: VectorWidth::Bits128 }),
-            _ => None,
-        };
         let exhaustive = llvmpipe.is_some() || matches!(name.as_str(), "f32" | "swiftshader");
         Ok(Self { name, model, llvmpipe, exhaustive })
     }

@@ -11,6 +11,9 @@ use std::time::Duration;
 
 use wgpu::{Backends, Features};
 
+use crate::model::llvmpipe::{Estimate, Generation, Llvmpipe, VectorWidth};
+use crate::model::registry::Drivers;
+
 /// The variable that turns Mesa's shader cache off.
 pub const SHADER_CACHE_VARIABLE: &str = "MESA_SHADER_CACHE_DISABLE";
 
@@ -128,6 +131,50 @@ impl AdapterReport {
         }
     }
 
+    /// Mesa's version, of `Mesa 22.3.6 (LLVM 15.0.6)`.
+    #[must_use]
+    pub fn mesa_version(&self) -> Option<[u32; 3]> {
+        let (_, rest) = self.driver_info.split_once("Mesa ")?;
+        let text = rest.split(|c: char| c != '.' && !c.is_ascii_digit()).next()?;
+        let mut numbers = text.split('.').map(|part| part.parse().ok());
+        let mut next = || numbers.next().flatten();
+        let (major, minor) = (next()?, next()?);
+        Some([major, minor, next().unwrap_or(0)])
+    }
+
+    /// The width of llvmpipe's vectors, of `llvmpipe (LLVM 15.0.6, 256 bits)`.
+    #[must_use]
+    pub fn vector_width(&self) -> Option<VectorWidth> {
+        let (_, rest) = self.name.split_once("llvmpipe")?;
+        if rest.contains("128 bits") { Some(VectorWidth::Bits128) } else { Some(VectorWidth::Bits256) }
+    }
+
+    /// What plain names of drivers mean against this adapter: its own version, vectors and processor.
+    ///
+    /// A llvmpipe of a version that was not proven counts as the nearest older generation; [`warning`](Self::warning) says so.
+    #[must_use]
+    pub fn drivers(&self) -> Drivers {
+        let newest = Llvmpipe::default();
+        let llvmpipe = match self.vector_width() {
+            None => newest,
+            Some(vector_width) => Llvmpipe {
+                generation: self.mesa_version().map_or(newest.generation, |version| Generation::of_version(version).0),
+                vector_width,
+                estimate: Estimate::host().unwrap_or(newest.estimate),
+            },
+        };
+        Drivers { llvmpipe }
+    }
+
+    /// What to tell the user of a driver whose version no model was proven on.
+    #[must_use]
+    pub fn warning(&self) -> Option<String> {
+        self.vector_width()?;
+        let version = self.mesa_version()?;
+        let (generation, footing) = Generation::of_version(version);
+        footing.warning(version, generation)
+    }
+
     /// Whether the driver is one of Mesa's, which share the shader cache.
     #[must_use]
     pub fn is_mesa(&self) -> bool {
@@ -241,5 +288,40 @@ pub fn reexec_without_shader_cache() -> std::io::Result<()> {
     {
         let status = again.status()?;
         std::process::exit(status.code().unwrap_or(2))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn report(name: &str, driver_info: &str) -> AdapterReport {
+        AdapterReport {
+            name: name.to_owned(),
+            driver: "llvmpipe".to_owned(),
+            driver_info: driver_info.to_owned(),
+            device_type: "Cpu".to_owned(),
+            native_vector_width: None,
+            shader_cache_disabled: true,
+        }
+    }
+
+    #[test]
+    fn a_llvmpipe_stands_for_its_own_generation_and_width() {
+        for (name, info, generation, vector_width, warns) in [
+            ("llvmpipe (LLVM 15.0.6, 256 bits)", "Mesa 22.3.6 (LLVM 15.0.6)", "22.3", VectorWidth::Bits256, false),
+            ("llvmpipe (LLVM 22.1.8, 128 bits)", "Mesa 26.2.6-1 (LLVM 22.1.8)", "26.1", VectorWidth::Bits128, false),
+            ("llvmpipe (LLVM 20.1, 256 bits)", "Mesa 27.0.0-devel (git-1)", "26.1", VectorWidth::Bits256, true),
+            ("llvmpipe (LLVM 17, 256 bits)", "Mesa 24.1", "22.3", VectorWidth::Bits256, true),
+        ] {
+            let report = report(name, info);
+            let llvmpipe = report.drivers().llvmpipe;
+            assert_eq!(llvmpipe.generation.facts().name, generation, "{info}");
+            assert_eq!(llvmpipe.vector_width, vector_width, "{name}");
+            assert_eq!(Some(llvmpipe.estimate), Estimate::host().or(Some(Estimate::default())), "this machine's");
+            assert_eq!(report.warning().is_some(), warns, "{info}");
+        }
+        assert_eq!(report("GeForce", "555.1").drivers(), Drivers::default(), "another driver");
+        assert_eq!(report("GeForce", "555.1").warning(), None, "nothing is claimed of it");
     }
 }

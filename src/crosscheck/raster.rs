@@ -20,6 +20,7 @@ use super::device::Device;
 use super::painter::begin;
 use super::readback::Readback;
 use super::upload::Attachments;
+use crate::model::llvmpipe::Generation;
 use crate::scene::draw::{SceneVertex, VARYINGS};
 use crate::scene::number::u32_to_f32;
 use crate::scene::raster::{RasterState, Rasteriser};
@@ -29,16 +30,16 @@ use crate::target::{ColorTarget, Framebuffer};
 /// The rasteriser of an llvmpipe on this machine: with fused multiply-add instructions where the processor has them, unless
 /// Mesa is told by `GALLIUM_OVERRIDE_CPU_CAPS` to do without.
 #[must_use]
-pub fn of_llvmpipe_here() -> Rasteriser {
+pub fn of_llvmpipe_here(generation: Generation) -> Rasteriser {
     #[cfg(target_arch = "x86_64")]
     let fused = std::arch::is_x86_feature_detected!("fma");
     // AArch64 and others have them always.
     #[cfg(not(target_arch = "x86_64"))]
     let fused = true;
     if fused && std::env::var_os("GALLIUM_OVERRIDE_CPU_CAPS").is_none() {
-        Rasteriser::Llvmpipe
+        Rasteriser::Llvmpipe(generation)
     } else {
-        Rasteriser::LlvmpipeUnfused
+        Rasteriser::LlvmpipeUnfused(generation)
     }
 }
 

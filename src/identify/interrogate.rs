@@ -226,8 +226,8 @@ mod tests {
             "unheard".to_owned()
         }
 
-        fn provenance(&self) -> &'static str {
-            "a test"
+        fn provenance(&self) -> String {
+            "a test".to_owned()
         }
 
         fn supports(&self, _: ColorFormat, _: Option<&BlendState>) -> Result<(), crate::model::Unsupported> {

@@ -68,7 +68,7 @@ impl Half {
             }
             let old = u16::from_le_bytes([before[2 * i], before[2 * i + 1]]);
             // This driver rewrites every texel that a fragment covers, and its conversions make NaNs quiet.
-            let quiet = self.rule == FloatRule::Llvmpipe && old & 0x7fff > 0x7c00;
+            let quiet = matches!(self.rule, FloatRule::Llvmpipe(_)) && old & 0x7fff > 0x7c00;
             out[2 * i..2 * i + 2].copy_from_slice(&if quiet { old | 0x200 } else { old }.to_le_bytes());
         }
     }
@@ -103,7 +103,9 @@ impl Half {
                     FloatLayout::HALF.encode(sum, Rounding::NearestEven)
                 }
                 FloatRule::Binary32 => FloatLayout::HALF.encode(f64::from(s * f[i] + d * g[i]), Rounding::NearestEven),
-                FloatRule::Llvmpipe => FloatLayout::HALF.encode(f64::from(s * f[i] + d * g[i]), Rounding::TowardZero),
+                FloatRule::Llvmpipe(_) => {
+                    FloatLayout::HALF.encode(f64::from(s * f[i] + d * g[i]), Rounding::TowardZero)
+                }
             };
             if code & 0x7fff >= 0x7c00 {
                 return self.by_reference(src, dst, out);
@@ -180,7 +182,7 @@ impl simd::Task for Task<'_> {
         match self.kernel.rule {
             FloatRule::Exact => Vectors::<S, EXACT>::new(simd, self.kernel).row(self.row),
             FloatRule::Binary32 => Vectors::<S, BINARY32>::new(simd, self.kernel).row(self.row),
-            FloatRule::Llvmpipe => Vectors::<S, LLVMPIPE>::new(simd, self.kernel).row(self.row),
+            FloatRule::Llvmpipe(_) => Vectors::<S, LLVMPIPE>::new(simd, self.kernel).row(self.row),
         }
     }
 

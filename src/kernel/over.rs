@@ -15,8 +15,8 @@ pub enum FloatRule {
     Exact,
     /// Each operation rounded to binary32: `f32`.
     Binary32,
-    /// The same, with the driver's own curve for sRGB, and halves stored toward zero: `llvmpipe`.
-    Llvmpipe,
+    /// The same, with the driver's own curve for sRGB, and halves stored toward zero: a `llvmpipe`.
+    Llvmpipe(Llvmpipe),
 }
 
 /// An added blend whose source factor is source alpha or 1, and whose destination factor is one minus source alpha or 1:
@@ -72,7 +72,7 @@ impl Reference {
         match self.rule {
             FloatRule::Exact => Exact::default().merge_color(&inputs),
             FloatRule::Binary32 => Binary32.merge_color(&inputs),
-            FloatRule::Llvmpipe => Llvmpipe::default().merge_color(&inputs),
+            FloatRule::Llvmpipe(model) => model.merge_color(&inputs),
         }
     }
 

@@ -227,7 +227,7 @@ impl<'a> SpanMerger<'a> {
     /// Stage 1: fragments inside the scissor, unless the sample mask covers none.
     fn covered(&self, span: &Span<'_>) -> std::ops::Range<usize> {
         let inside = |i: usize| self.state.dynamic.scissor.is_none_or(|s| s.contains(column(span, i), span.y));
-        if self.by_rows && self.state.multisample.mask & 1 == 0 {
+        if self.by_rows && self.planned.merger.model.sample_mask(&self.state.multisample) & 1 == 0 {
             return 0..0;
         }
         let len = span.len();

@@ -18,7 +18,8 @@ use super::simd::{self, Isa, Simd};
 use super::unorm8::{self, Rule, ordered};
 use super::{Row, TEXEL};
 use crate::format::{ColorFormat, srgb};
-use crate::model::llvmpipe::{self, Llvmpipe};
+use crate::model::llvmpipe::rsqrt::STEPS;
+use crate::model::llvmpipe::{self, Estimate};
 
 /// How far `exact`'s sum in binary32 is from the real one at most, in units in the last place.
 const MARGIN: u32 = 8;
@@ -35,8 +36,6 @@ struct Tables {
     encode: [u32; 2048],
     /// llvmpipe's linear values.
     llvmpipe: [u32; 256],
-    /// Mantissas of its processor's reciprocal square roots, by the exponent's last bit and the mantissa's first ten.
-    rsqrt: [u32; 2048],
 }
 
 impl Tables {
@@ -67,13 +66,30 @@ static TABLES: LazyLock<Tables> = LazyLock::new(|| {
         decode: std::array::from_fn(|i| srgb::decode_f32(code(i)).to_bits()),
         encode,
         llvmpipe: std::array::from_fn(|i| llvmpipe::srgb::decode(code(i)).to_bits()),
-        rsqrt: std::array::from_fn(|i| {
-            // Odd exponents are those of [1, 2), even ones of [2, 4).
-            let exponent = if i >= 1024 { 127 } else { 128 };
-            llvmpipe::rsqrt(f32::from_bits(exponent << 23 | code(i % 1024) << 13)).to_bits() & 0x7f_ffff
-        }),
     }
 });
+
+/// Mantissas of a processor's reciprocal square roots, by the exponent's last bit and the mantissa's first twelve.
+type Roots = [u32; STEPS];
+
+/// The table of an estimate, made once.
+fn roots(estimate: Estimate) -> &'static Roots {
+    static HOST: LazyLock<Roots> = LazyLock::new(|| table_of(Estimate::host()));
+    static INTEL_XEON: LazyLock<Roots> = LazyLock::new(|| table_of(Some(Estimate::IntelXeon)));
+    static AMD_ZEN5: LazyLock<Roots> = LazyLock::new(|| table_of(Some(Estimate::AmdZen5)));
+    match estimate {
+        Estimate::IntelXeon => &INTEL_XEON,
+        Estimate::AmdZen5 => &AMD_ZEN5,
+        #[cfg(target_arch = "x86_64")]
+        Estimate::Host => &HOST,
+    }
+}
+
+fn table_of(estimate: Option<Estimate>) -> Roots {
+    let table = estimate.unwrap_or_default().table();
+    // The table begins at 1, whose biased exponent is odd; an index's first bit is the exponent's last.
+    std::array::from_fn(|i| u32::from(table[i ^ STEPS / 2]) << 11)
+}
 
 /// The bits of the first binary32 number above a threshold, which is none itself.
 fn first_above(threshold: f64) -> u32 {
@@ -173,11 +189,11 @@ impl Srgb8 {
         };
         let (f, g) = factors(0);
         let (f_alpha, g_alpha) = factors(1);
-        if self.rule == FloatRule::Llvmpipe {
+        if let FloatRule::Llvmpipe(model) = self.rule {
             let color = |i: usize| unit(src[i]) * f + f32::from_bits(tables.llvmpipe[usize::from(dst[i])]) * g;
             let result = [color(0), color(1), color(2), alpha * f_alpha + f32::from(dst[3]) * (1.0 / 255.0) * g_alpha];
             // Red and blue are encoded alike, so their order does not matter.
-            let codes = Llvmpipe::default().store(self.format, result);
+            let codes = model.store(self.format, result);
             return codes.map(|code| u8::try_from(code).expect("8-bit codes"));
         }
         let mut out = [0; TEXEL];
@@ -221,7 +237,7 @@ impl simd::Task for Task<'_> {
         match self.kernel.rule {
             FloatRule::Exact => Vectors::<S, EXACT>::new(simd, self.kernel).row(self.row),
             FloatRule::Binary32 => Vectors::<S, BINARY32>::new(simd, self.kernel).row(self.row),
-            FloatRule::Llvmpipe => Vectors::<S, LLVMPIPE>::new(simd, self.kernel).row(self.row),
+            FloatRule::Llvmpipe(_) => Vectors::<S, LLVMPIPE>::new(simd, self.kernel).row(self.row),
         }
     }
 
@@ -242,6 +258,8 @@ struct Vectors<'a, S: Simd, const RULE: u8> {
     s: S,
     kernel: &'a Srgb8,
     tables: &'static Tables,
+    /// Of the driver's processor.
+    roots: &'static Roots,
     one: S::F,
     per_code: S::F,
     codes: S::F,
@@ -264,6 +282,11 @@ impl<'a, S: Simd, const RULE: u8> Vectors<'a, S, RULE> {
             s,
             kernel,
             tables: &TABLES,
+            roots: roots(if let FloatRule::Llvmpipe(model) = kernel.rule {
+                model.estimate
+            } else {
+                Estimate::default()
+            }),
             one: s.splat_f32(1.0),
             per_code: s.splat_f32(1.0 / 255.0),
             codes: s.splat_f32(255.0),
@@ -390,12 +413,12 @@ impl<'a, S: Simd, const RULE: u8> Vectors<'a, S, RULE> {
         s.round_f32(s.min_f32(scaled, self.codes))
     }
 
-    /// The processor's estimate for positive normal numbers; see [`llvmpipe::rsqrt`].
+    /// The processor's estimate for positive normal numbers; see [`Estimate`].
     #[inline(always)]
     fn rsqrt(&self, x: S::F) -> S::F {
         let s = self.s;
         let bits = s.bits_f32(x);
-        let mantissa = s.gather32(&self.tables.rsqrt, s.shift_right32::<13>(bits));
+        let mantissa = s.gather32(self.roots, s.shift_right32::<11>(bits));
         // With exponent e, x is m 4^h for h = (e + 1) / 2 - 64, rounded down, and the result's exponent is 126 - h.
         let half = s.shift_left32::<23>(s.shift_right32::<24>(s.add32(bits, s.splat_u32(1 << 23))));
         s.as_f32(s.or(s.subtract32(s.splat_u32(190 << 23), half), mantissa))

@@ -2,8 +2,6 @@
 //!
 //! Sources: Vulkan, *Fragment Operations / Scissor Test, Sample Mask Test*; WebGPU, *Rendering Operations*.
 
-use wgpu_types::MultisampleState;
-
 use crate::fragment::Fragment;
 use crate::state::{DynamicState, Rect};
 
@@ -17,19 +15,15 @@ impl Rect {
 
 /// Samples left after the scissor test, the primitive's coverage and the pipeline's sample mask; bit i = sample i.
 ///
-/// Mask bits beyond the sample count are ignored; the mask applies to single-sampled targets too.
+/// `mask` is the sample mask ([`crate::model::NumericModel::sample_mask`]). Its bits beyond the sample count are ignored; it
+/// applies to single-sampled targets too.
 #[must_use]
-pub fn covered_samples(
-    multisample: &MultisampleState,
-    dynamic: &DynamicState,
-    fragment: &Fragment,
-    (x, y): (u32, u32),
-) -> u32 {
+pub fn covered_samples(count: u32, mask: u64, dynamic: &DynamicState, fragment: &Fragment, (x, y): (u32, u32)) -> u32 {
     if dynamic.scissor.is_some_and(|scissor| !scissor.contains(x, y)) {
         return 0;
     }
-    let existing = u32::MAX >> (32 - multisample.count.clamp(1, 32));
-    let covered = u64::from(fragment.coverage & existing) & multisample.mask;
+    let existing = u32::MAX >> (32 - count.clamp(1, 32));
+    let covered = u64::from(fragment.coverage & existing) & mask;
     #[expect(clippy::cast_possible_truncation, reason = "a subset of 32 coverage bits")]
     let covered = covered as u32;
     covered
@@ -41,14 +35,14 @@ mod tests {
 
     #[test]
     fn the_sample_mask_applies_to_single_sampled_targets() {
-        let state = MultisampleState { count: 1, mask: 0, alpha_to_coverage_enabled: false };
-        assert_eq!(covered_samples(&state, &DynamicState::default(), &Fragment::default(), (0, 0)), 0, "bit 0 is off");
+        let covered = covered_samples(1, 0b10, &DynamicState::default(), &Fragment::default(), (0, 0));
+        assert_eq!(covered, 0, "bit 0 is off");
     }
 
     #[test]
     fn mask_bits_beyond_the_sample_count_are_ignored() {
-        let state = MultisampleState { count: 4, mask: 0xf5, alpha_to_coverage_enabled: false };
-        assert_eq!(covered_samples(&state, &DynamicState::default(), &Fragment::default(), (0, 0)), 5, "four samples");
+        let covered = covered_samples(4, 0xf5, &DynamicState::default(), &Fragment::default(), (0, 0));
+        assert_eq!(covered, 5, "four samples");
     }
 
     #[test]

@@ -148,7 +148,8 @@ impl<'a> Merger<'a> {
     /// The stages, in order, for every sample.
     fn run(&self, fragment: &Fragment, x: u32, y: u32, targets: &mut Framebuffer, record: &mut dyn FnMut(SampleTrace)) {
         let state = self.state;
-        let covered = coverage::covered_samples(&state.multisample, &state.dynamic, fragment, (x, y));
+        let mask = self.model.sample_mask(&state.multisample);
+        let covered = coverage::covered_samples(state.multisample.count, mask, &state.dynamic, fragment, (x, y));
         let alpha = fragment.outputs[0][3];
         let kept = covered & discard::alpha_to_coverage(&state.multisample, alpha);
         for sample in 0..targets.extent.samples {

@@ -135,8 +135,8 @@ impl NumericModel for Binary32 {
         "f32".to_owned()
     }
 
-    fn provenance(&self) -> &'static str {
-        "IEEE 754 binary32, each operation of the equation rounded to nearest even, nothing fused"
+    fn provenance(&self) -> String {
+        "IEEE 754 binary32, each operation of the equation rounded to nearest even, nothing fused".to_owned()
     }
 
     fn supports(&self, _format: ColorFormat, _blend: Option<&BlendState>) -> Result<(), Unsupported> {

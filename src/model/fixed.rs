@@ -147,8 +147,8 @@ impl NumericModel for FixedPoint {
         self.to_string()
     }
 
-    fn provenance(&self) -> &'static str {
-        "a parametric fixed-point blender; no device is claimed"
+    fn provenance(&self) -> String {
+        "a parametric fixed-point blender; no device is claimed".to_owned()
     }
 
     fn supports(&self, format: ColorFormat, _blend: Option<&BlendState>) -> Result<(), Unsupported> {

@@ -30,7 +30,7 @@ pub use number::{Number, decimal};
 use std::fmt::Debug;
 
 use num_rational::BigRational;
-use wgpu_types::BlendState;
+use wgpu_types::{BlendState, MultisampleState};
 
 use crate::format::depth::DepthKind;
 use crate::format::{ChannelKind, Codes, ColorFormat, TargetClass};
@@ -62,7 +62,7 @@ pub trait NumericModel: Debug + Send + Sync {
     fn name(&self) -> String;
 
     /// Where the rules come from and how they were checked, in one sentence.
-    fn provenance(&self) -> &'static str;
+    fn provenance(&self) -> String;
 
     /// Whether the model defines a result for this format and blend state.
     ///
@@ -74,6 +74,13 @@ pub trait NumericModel: Debug + Send + Sync {
     ///
     /// `inputs` must be [supported](Self::supports); for others the result is unspecified.
     fn merge_color(&self, inputs: &ColorInputs) -> Codes;
+
+    /// The other codes that may be stored instead of [`merge_color`](Self::merge_color)'s, where the driver's result depends on
+    /// what it did before. `None` nearly everywhere: the result is decided.
+    fn alternative(&self, inputs: &ColorInputs) -> Option<Codes> {
+        let _ = inputs;
+        None
+    }
 
     /// The codes that `LoadOp::Clear` stores for a color, RGBA, unclamped: its own conversion in some drivers. The
     /// default rounds once, correctly, and so do models of drivers whose clears were not measured.
@@ -90,6 +97,11 @@ pub trait NumericModel: Debug + Send + Sync {
 
     /// [`merge_color`](Self::merge_color) with every intermediate number, for people.
     fn explain_color(&self, inputs: &ColorInputs) -> Explanation;
+
+    /// The sample mask as the driver obeys it: the state's own, but for a driver that does otherwise.
+    fn sample_mask(&self, multisample: &MultisampleState) -> u64 {
+        multisample.mask
+    }
 
     /// The depth code of a fragment's depth `z`, clamped to the viewport's `range` first.
     fn depth_code(&self, kind: DepthKind, z: f32, range: [f32; 2]) -> u32;

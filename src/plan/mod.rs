@@ -97,7 +97,7 @@ impl Plan {
         let depth_state = state.depth_stencil.as_ref().zip(formats.depth);
         let reference = state.dynamic.stencil_reference;
         let alpha_test = constant_alpha_test(state.alpha_test);
-        let covers = can_cover(state);
+        let covers = can_cover(state, model);
         let alive = covers && alpha_test != Test::Fails;
         let outcomes = depth_stencil::outcomes(depth_state, reference);
         let color = |(target, format): (&Option<ColorTargetState>, &Option<ColorFormat>)| {
@@ -179,11 +179,12 @@ impl Formats {
     }
 }
 
-/// Whether any fragment can cover a sample.
-fn can_cover(state: &MergerState) -> bool {
+/// Whether any fragment can cover a sample; without a model, as the specifications say.
+fn can_cover(state: &MergerState, model: Option<&dyn NumericModel>) -> bool {
     let existing = u64::from(u32::MAX >> (32 - state.multisample.count.clamp(1, 32)));
     let empty = state.dynamic.scissor.is_some_and(|scissor| scissor.width == 0 || scissor.height == 0);
-    state.multisample.mask & existing != 0 && !empty
+    let mask = model.map_or(state.multisample.mask, |model| model.sample_mask(&state.multisample));
+    mask & existing != 0 && !empty
 }
 
 /// The alpha test where it does not depend on alpha. Comparisons with a NaN reference are false, but not-equal is true.

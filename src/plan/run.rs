@@ -64,7 +64,8 @@ impl<'a> Planned<'a> {
             return;
         }
         let state = self.merger.state;
-        let covered = coverage::covered_samples(&state.multisample, &state.dynamic, fragment, (x, y));
+        let mask = self.merger.model.sample_mask(&state.multisample);
+        let covered = coverage::covered_samples(state.multisample.count, mask, &state.dynamic, fragment, (x, y));
         if covered == 0 {
             return;
         }

@@ -58,7 +58,7 @@ impl NumericModel for Recorder<'_> {
         self.model.name()
     }
 
-    fn provenance(&self) -> &'static str {
+    fn provenance(&self) -> String {
         self.model.provenance()
     }
 

@@ -77,9 +77,12 @@ pub struct TargetSpec {
 }
 
 impl TargetSpec {
-    /// Whether 8-bit unorm BGRA is the only color target.
-    pub(super) fn is_single_bgra8unorm(&self) -> bool {
-        matches!(&self.colors[..], [color] if color.format.texture_format() == TextureFormat::Bgra8Unorm)
+    /// The format of the only color target, where there is one.
+    pub(super) fn single_format(&self) -> Option<TextureFormat> {
+        match &self.colors[..] {
+            [color] => Some(color.format.texture_format()),
+            _ => None,
+        }
     }
 }
 

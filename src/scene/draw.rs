@@ -128,7 +128,7 @@ impl Scene {
             depth: depth.and_then(|format| DepthFormat::new(format).ok()).and_then(DepthFormat::depth),
             subpixel_bits: self.target.subpixel_bits,
             rasteriser: self.target.rasteriser,
-            guard_band: depth.is_none() && self.target.is_single_bgra8unorm(),
+            guard_band: depth.is_none() && self.target.rasteriser.has_guard_band(self.target.single_format()),
         };
         Draw {
             object: item.name.clone(),

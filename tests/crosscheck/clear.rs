@@ -4,12 +4,11 @@ use outmerge::crosscheck::clear::{clear, clear_depth};
 use outmerge::format::ColorFormat;
 use outmerge::format::depth::DepthKind;
 use outmerge::format::layout::FORMATS;
-use outmerge::model::llvmpipe::Llvmpipe;
 use outmerge::model::{ColorInputs, NumericModel};
 
 use wgpu_types::TextureFormat;
 
-use crate::harness::llvmpipe;
+use crate::harness::{llvmpipe, model};
 
 /// Codes and half codes of every width with the numbers next to them, special values, and random ones. No signalling NaN:
 /// wgpu takes clear colors in binary64, and narrowing makes them quiet.
@@ -45,7 +44,7 @@ fn clears_of_every_format_store_the_models_codes() {
     let color = |k: usize| std::array::from_fn(|i| values[(k + 17 * i) % values.len()]);
     let colors: Vec<[f32; 4]> = (0..values.len()).map(color).collect();
     let wide: Vec<[f64; 4]> = colors.iter().map(|color| color.map(f64::from)).collect();
-    let model = Llvmpipe::default();
+    let model = model(device);
     let mut unlike_fragments = Vec::new();
     for (name, texture_format) in FORMATS {
         let format = ColorFormat::new(texture_format).expect("listed");
@@ -91,7 +90,7 @@ fn clears_of_every_depth_format_store_the_models_codes() {
             values.extend([near.next_down(), near, near.next_up()]);
         }
     }
-    let model = Llvmpipe::default();
+    let model = model(device);
     for (format, kind) in [
         (TextureFormat::Depth16Unorm, DepthKind::Unorm(16)),
         (TextureFormat::Depth24Plus, DepthKind::Unorm(24)),

@@ -3,11 +3,10 @@
 use outmerge::Fragment;
 use outmerge::format::depth::DepthKind;
 use outmerge::model::NumericModel as _;
-use outmerge::model::llvmpipe::Llvmpipe;
 use outmerge::{Framebuffer, MergerState};
 use wgpu_types::{CompareFunction, DepthBiasState, DepthStencilState, StencilState, TextureFormat};
 
-use crate::harness::{draw, llvmpipe};
+use crate::harness::{draw, llvmpipe, model};
 
 /// Depths across [0, 1]: a ramp, and values whose scaled code lies next to a half.
 fn depths(steps: f64) -> Vec<f32> {
@@ -46,10 +45,8 @@ fn depth_codes_are_the_models() {
         let wrong: Vec<_> = depths
             .iter()
             .zip(got)
-            .filter(|(z, code)| Llvmpipe::default().depth_code(kind, **z, [0.0, 1.0]) != **code)
-            .map(|(z, code)| {
-                format!("{z:?}: model {}, device {code}", Llvmpipe::default().depth_code(kind, *z, [0.0, 1.0]))
-            })
+            .filter(|(z, code)| model(device).depth_code(kind, **z, [0.0, 1.0]) != **code)
+            .map(|(z, code)| format!("{z:?}: model {}, device {code}", model(device).depth_code(kind, *z, [0.0, 1.0])))
             .collect();
         assert!(wrong.is_empty(), "{format:?}: {} of {} differ: {}", wrong.len(), depths.len(), wrong[0]);
     }

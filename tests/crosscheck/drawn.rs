@@ -2,9 +2,8 @@
 
 use outmerge::crosscheck::drawn::{Agreement, Drawer};
 use outmerge::crosscheck::raster::of_llvmpipe_here;
-use outmerge::model::llvmpipe::Llvmpipe;
 
-use crate::harness::llvmpipe;
+use crate::harness::{llvmpipe, model};
 use crate::scenes;
 
 #[test]
@@ -13,9 +12,9 @@ fn scenes_are_covered_alike_and_stored_alike_where_fragments_are() {
     let mut drawer = Drawer::new(device);
     let (mut wrong, mut all) = (Vec::new(), Agreement::default());
     for (name, mut scene) in scenes::all() {
-        scene.target.rasteriser = of_llvmpipe_here();
+        scene.target.rasteriser = of_llvmpipe_here(model(device).generation);
         let drawn = drawer.draw(&scene).unwrap_or_else(|error| panic!("{name}: {error}"));
-        let agreement = Agreement::of(&scene, &drawn, &Llvmpipe::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let agreement = Agreement::of(&scene, &drawn, &model(device)).unwrap_or_else(|e| panic!("{name}: {e}"));
         println!("{name}: {agreement:?}");
         let Agreement {
             texels_covered_differently,

@@ -4,6 +4,7 @@ use std::io::Write as _;
 use std::sync::OnceLock;
 
 use outmerge::crosscheck::{Batch, Device, Layer, OpenError, OpenOptions, Replay};
+use outmerge::model::llvmpipe::Llvmpipe;
 use outmerge::target::ColorTarget;
 use outmerge::{Extent, Fragment, Framebuffer, MergerState};
 use wgpu_types::{BlendState, ColorTargetState, ColorWrites, TextureFormat};
@@ -32,6 +33,11 @@ pub fn llvmpipe() -> Option<&'static Device> {
     let test = std::thread::current().name().unwrap_or("test").to_owned();
     let _ = writeln!(std::io::stderr(), "{test}: skipped: `{}` is not llvmpipe", device.report().name);
     None
+}
+
+/// The model of a llvmpipe device: of its version, vectors and processor.
+pub fn model(device: &Device) -> Llvmpipe {
+    device.report().drivers().llvmpipe
 }
 
 /// The options of [`device`], for tests that spoil their device.

@@ -2,10 +2,9 @@
 
 use outmerge::Framebuffer;
 use outmerge::crosscheck::{Batch, Replay};
-use outmerge::model::llvmpipe::Llvmpipe;
 use outmerge::scene::Scene;
 
-use crate::harness::llvmpipe;
+use crate::harness::{llvmpipe, model};
 
 /// The first texel at which two framebuffers differ, in any target, and how many do.
 fn difference(expected: &Framebuffer, got: &Framebuffer) -> Option<String> {
@@ -63,7 +62,7 @@ fn every_scene_is_bit_exact_on_lavapipe() {
     let mut replay = Replay::new(device);
     let mut wrong = Vec::new();
     for (name, scene) in all() {
-        let expected = scene.render(&Llvmpipe::default()).unwrap_or_else(|error| panic!("{name}: {error}")).framebuffer;
+        let expected = scene.render(&model(device)).unwrap_or_else(|error| panic!("{name}: {error}")).framebuffer;
         let batch = Batch::of_scene(&scene).unwrap_or_else(|error| panic!("{name}: {error}"));
         let got = replay.run(&batch).unwrap_or_else(|error| panic!("{name}: {error}"));
         wrong.extend(difference(&expected, &got).map(|difference| format!("{name}: {difference}")));

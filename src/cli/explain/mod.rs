@@ -71,7 +71,7 @@ struct Question {
 #[derive(Serialize)]
 struct Answer {
     model: String,
-    provenance: &'static str,
+    provenance: String,
     #[serde(flatten)]
     explanation: Explanation,
     /// The codes stored, write mask applied.

@@ -11,6 +11,13 @@
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
+/// The processor's own estimate of 1 / sqrt(x) (`RSQRTSS`), whose results are its maker's choice.
+#[cfg(target_arch = "x86_64")]
+#[must_use]
+pub fn reciprocal_square_root_estimate(x: f32) -> f32 {
+    x86::reciprocal_square_root_estimate(x)
+}
+
 /// An instruction set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Isa {

@@ -35,6 +35,12 @@ pub(super) fn run_avx512(task: impl Task) {
     unsafe { inside(task, Avx512(())) }
 }
 
+/// The processor's estimate of 1 / sqrt(x): `RSQRTSS`.
+pub(super) fn reciprocal_square_root_estimate(x: f32) -> f32 {
+    // SAFETY: every x86-64 processor has SSE, and no memory is touched.
+    unsafe { _mm_cvtss_f32(_mm_rsqrt_ss(_mm_set_ss(x))) }
+}
+
 /// Operations that are one instruction.
 macro_rules! instructions {
     ($vector:ty; $($name:ident($($argument:ident),+) = $instruction:ident $(::<$constant:literal>)?;)+) => {$(

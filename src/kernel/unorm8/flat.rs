@@ -8,10 +8,11 @@
 use wgpu_types::BlendOperation as Op;
 
 use super::row::{Operand, Side};
-use super::rule::{Arithmetic, Llvmpipe, RoundedProducts, divide, low};
+use super::rule::{Arithmetic, NearProducts, RoundedProducts, divide, low};
 use super::{Rule, Unorm8};
 use crate::kernel::TEXEL;
 use crate::kernel::simd::{self, Isa, Simd};
+use crate::model::llvmpipe::generation::Product;
 
 /// Colors merged while a group of vectors is in registers: their maps fit the first-level cache.
 const BATCH: usize = 32;
@@ -49,8 +50,12 @@ impl Flat {
                     term.checked_add(255 * u16::from(g)).filter(|most| *most <= 255 * 255)?;
                     flat.before[i] = term;
                 }
-                Rule::RoundedProducts => flat.after[i] = u8::try_from(RoundedProducts.product(color[i], f)).ok()?,
-                Rule::Llvmpipe => flat.after[i] = u8::try_from(Llvmpipe.product(color[i], f)).ok()?,
+                Rule::RoundedProducts | Rule::Llvmpipe(Product::Nearest) => {
+                    flat.after[i] = u8::try_from(RoundedProducts.product(color[i], f)).ok()?;
+                }
+                Rule::Llvmpipe(Product::Near) => {
+                    flat.after[i] = u8::try_from(NearProducts.product(color[i], f)).ok()?;
+                }
             }
         }
         Some(flat)
@@ -61,8 +66,10 @@ impl Flat {
         let g = self.factor[i];
         match self.rule {
             Rule::Exact => low(divide(u16::from(d) * u16::from(g) + self.before[i])),
-            Rule::RoundedProducts => low(RoundedProducts.product(d, g)).saturating_add(self.after[i]),
-            Rule::Llvmpipe => low(Llvmpipe.product(d, g)).saturating_add(self.after[i]),
+            Rule::RoundedProducts | Rule::Llvmpipe(Product::Nearest) => {
+                low(RoundedProducts.product(d, g)).saturating_add(self.after[i])
+            }
+            Rule::Llvmpipe(Product::Near) => low(NearProducts.product(d, g)).saturating_add(self.after[i]),
         }
     }
 }
@@ -100,8 +107,8 @@ impl simd::Task for Task<'_> {
         // A rule is a constant inside each of the three.
         match self.stack.first().map(|flat| flat.rule) {
             Some(Rule::Exact) => each(simd, self, Rule::Exact),
-            Some(Rule::RoundedProducts) => each(simd, self, Rule::RoundedProducts),
-            Some(Rule::Llvmpipe) => each(simd, self, Rule::Llvmpipe),
+            Some(Rule::RoundedProducts | Rule::Llvmpipe(Product::Nearest)) => each(simd, self, Rule::RoundedProducts),
+            Some(Rule::Llvmpipe(Product::Near)) => each(simd, self, Rule::Llvmpipe(Product::Near)),
             None => {}
         }
     }
@@ -146,7 +153,7 @@ impl<S: Simd> Map<S> {
         let odd_bytes = s.splat16(0xff00);
         let even = s.multiply16(s.and(d, s.splat16(0x00ff)), self.even_factor);
         let odd = s.multiply_high16(s.and(d, odd_bytes), self.odd_factor);
-        let (even, odd) = if rule == Rule::Llvmpipe {
+        let (even, odd) = if rule == Rule::Llvmpipe(Product::Near) {
             let half = s.splat16(128);
             let even = s.high_bytes16(s.add16(s.add16(even, half), s.high_bytes16(even)));
             (even, s.add16(s.add16(odd, half), s.high_bytes16(odd)))

@@ -12,6 +12,7 @@ use wgpu_types::{BlendComponent, BlendFactor as F, BlendOperation, ColorTargetSt
 
 use super::simd::{self, Isa, Simd};
 use super::{Row, TEXEL};
+use crate::model::llvmpipe::generation::Product;
 use flat::Flat;
 use row::{Operand, Side};
 pub(crate) use rule::Rule;
@@ -77,7 +78,7 @@ impl Unorm8 {
         let places = ordered([0, 1, 2, 3], self.swap).map(usize::from);
         match self.rule {
             Rule::Exact => false,
-            Rule::Llvmpipe => interleave(planes, places, row, rule::rounded_32),
+            Rule::Llvmpipe(_) => interleave(planes, places, row, rule::rounded_32),
             Rule::RoundedProducts => interleave(planes, places, row, rule::rounded_64),
         }
     }
@@ -111,8 +112,10 @@ impl simd::Task for Task<'_> {
     fn plain(self) {
         match self.kernel.rule {
             Rule::Exact => row::row(rule::Exact, self.kernel, self.row),
-            Rule::RoundedProducts => row::row(rule::RoundedProducts, self.kernel, self.row),
-            Rule::Llvmpipe => row::row(rule::Llvmpipe, self.kernel, self.row),
+            Rule::RoundedProducts | Rule::Llvmpipe(Product::Nearest) => {
+                row::row(rule::RoundedProducts, self.kernel, self.row);
+            }
+            Rule::Llvmpipe(Product::Near) => row::row(rule::NearProducts, self.kernel, self.row),
         }
     }
 }

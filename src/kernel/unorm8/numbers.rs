@@ -64,7 +64,7 @@ impl Numbers {
             exact: match rule {
                 FloatRule::Exact => true,
                 FloatRule::Binary32 => false,
-                FloatRule::Llvmpipe => return None,
+                FloatRule::Llvmpipe(_) => return None,
             },
             format,
             swap,

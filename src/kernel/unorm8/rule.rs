@@ -7,6 +7,7 @@
 //! share [`Rule::Exact`]. The tests compare all of this with the models themselves.
 
 use crate::format::{Rounding, unorm};
+use crate::model::llvmpipe::generation::Product;
 use crate::model::llvmpipe::{VectorWidth, integer};
 
 /// The rule of a model.
@@ -16,8 +17,8 @@ pub enum Rule {
     Exact,
     /// Each product rounded to the nearest code: `fixed:8`.
     RoundedProducts,
-    /// Each product by (t + (t >> 8) + 128) >> 8: `llvmpipe`.
-    Llvmpipe,
+    /// Each product of codes by the driver's rule: a `llvmpipe`.
+    Llvmpipe(Product),
 }
 
 impl Rule {
@@ -30,7 +31,7 @@ impl Rule {
             return self.code_of_outlier(x);
         }
         match self {
-            Self::Llvmpipe => Some(rounded_32(x)),
+            Self::Llvmpipe(_) => Some(rounded_32(x)),
             Self::RoundedProducts => Some(rounded_64(x)),
             Self::Exact => Some(rounded_64(x)).filter(|code| UNIT[usize::from(*code)] == x),
         }
@@ -41,8 +42,8 @@ impl Rule {
         /// Below any number that is too large for the driver's conversion with narrow vectors.
         const ALL_WIDTHS: f32 = 8.0e6;
         let code = match self {
-            Self::Llvmpipe if x > ALL_WIDTHS => return None,
-            Self::Llvmpipe => integer::quantize8(x, VectorWidth::Bits256),
+            Self::Llvmpipe(_) if x > ALL_WIDTHS => return None,
+            Self::Llvmpipe(_) => integer::quantize8(x, VectorWidth::Bits256),
             Self::RoundedProducts | Self::Exact => unorm::encode(f64::from(x), 8, Rounding::NearestEven),
         };
         u8::try_from(code).ok()
@@ -87,10 +88,10 @@ pub fn divide(n: u16) -> u16 {
     (t + (t >> 8)) >> 8
 }
 
-/// llvmpipe's product, near a b / 255.
+/// [`Product::Near`] of codes, near a b / 255.
 #[inline(always)]
 #[must_use]
-pub fn llvmpipe_product(a: u8, b: u8) -> u16 {
+pub fn near_product(a: u8, b: u8) -> u16 {
     let t = u16::from(a) * u16::from(b);
     (t + (t >> 8) + 128) >> 8
 }
@@ -113,9 +114,9 @@ pub(super) struct Exact;
 #[derive(Clone, Copy)]
 pub(super) struct RoundedProducts;
 
-/// [`Rule::Llvmpipe`].
+/// [`Rule::Llvmpipe`] with [`Product::Near`]. With [`Product::Nearest`] it is [`RoundedProducts`] on codes.
 #[derive(Clone, Copy)]
-pub(super) struct Llvmpipe;
+pub(super) struct NearProducts;
 
 impl Arithmetic for Exact {
     #[inline(always)]
@@ -151,10 +152,10 @@ impl Arithmetic for RoundedProducts {
     }
 }
 
-impl Arithmetic for Llvmpipe {
+impl Arithmetic for NearProducts {
     #[inline(always)]
     fn product(self, x: u8, factor: u8) -> u16 {
-        llvmpipe_product(x, factor)
+        near_product(x, factor)
     }
 
     #[inline(always)]
@@ -196,7 +197,7 @@ mod tests {
             let exact = (f32::from(nearest) / 255.0 == clamped).then_some(nearest);
             assert_eq!(Rule::Exact.code(x), exact, "{x:e}");
             let driver = [VectorWidth::Bits128, VectorWidth::Bits256].map(|width| integer::quantize8(x, width));
-            match Rule::Llvmpipe.code(x) {
+            match Rule::Llvmpipe(Product::Near).code(x) {
                 Some(code) => assert_eq!(driver, [u32::from(code); 2], "{x:e}"),
                 None => assert!(x > 1e6, "{x:e} is out of reach"),
             }
@@ -215,7 +216,7 @@ mod tests {
     fn no_intermediate_overflows() {
         for a in 0..=u8::MAX {
             for b in 0..=u8::MAX {
-                assert!(llvmpipe_product(a, b) <= 255 && RoundedProducts.product(a, b) <= 255, "{a} x {b}");
+                assert!(near_product(a, b) <= 255 && RoundedProducts.product(a, b) <= 255, "{a} x {b}");
             }
         }
     }

@@ -18,6 +18,7 @@ use super::shape::Shape;
 use super::{Rule, Unorm8};
 use crate::kernel::simd::Simd;
 use crate::kernel::{Row, TEXEL};
+use crate::model::llvmpipe::generation::Product;
 
 /// How far ahead rows are asked for, in bytes.
 const AHEAD: usize = 2048;
@@ -150,7 +151,7 @@ impl<S: Simd> Products<S> {
     #[inline(always)]
     fn code(&self, x: S::V, factor: S::V) -> S::V {
         let s = self.s;
-        if self.rule != Rule::Llvmpipe {
+        if self.rule != Rule::Llvmpipe(Product::Near) {
             return self.divided(self.raw(x, factor));
         }
         // Even bytes are multiplied where they are; odd ones as multiples of 256, whose product's high half is theirs.
@@ -241,8 +242,10 @@ pub(super) fn row<S: Simd>(s: S, kernel: &Unorm8, row: Row<'_>) {
     // A rule is a constant inside each of the three.
     match kernel.rule {
         Rule::Exact => by_shape(s, kernel, row, Products::new(s, Rule::Exact)),
-        Rule::RoundedProducts => by_shape(s, kernel, row, Products::new(s, Rule::RoundedProducts)),
-        Rule::Llvmpipe => by_shape(s, kernel, row, Products::new(s, Rule::Llvmpipe)),
+        Rule::RoundedProducts | Rule::Llvmpipe(Product::Nearest) => {
+            by_shape(s, kernel, row, Products::new(s, Rule::RoundedProducts));
+        }
+        Rule::Llvmpipe(Product::Near) => by_shape(s, kernel, row, Products::new(s, Rule::Llvmpipe(Product::Near))),
     }
 }
 

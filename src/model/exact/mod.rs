@@ -70,9 +70,10 @@ impl NumericModel for Exact {
         }
     }
 
-    fn provenance(&self) -> &'static str {
+    fn provenance(&self) -> String {
         "real arithmetic on the given inputs and one correct rounding; checked against an independent \
          arbitrary-precision evaluation"
+            .to_owned()
     }
 
     fn supports(&self, _format: ColorFormat, _blend: Option<&BlendState>) -> Result<(), Unsupported> {

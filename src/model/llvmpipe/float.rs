@@ -2,6 +2,7 @@
 
 use wgpu_types::{BlendFactor, BlendOperation};
 
+use super::generation::{Rules, SmallDenormals, ZeroFactor};
 use super::state::{channel_count, complementary, is_inverted, rewrite};
 use super::steps::{Equation, Steps};
 use crate::format::{ChannelKind, FloatLayout, Rounding};
@@ -11,7 +12,7 @@ use crate::model::ColorInputs;
 /// Binary32 operations as the driver compiles them for one family of formats.
 ///
 /// For 32-bit float and sRGB targets denormal operands count as zero and denormal results become zero; for half and
-/// 11/10-bit targets the shader that converts them runs with denormals on.
+/// 11/10-bit targets that is so in some generations only ([`SmallDenormals`]).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ops {
     /// Whether denormals are flushed.
@@ -76,8 +77,8 @@ pub(super) struct Operands {
     pub dst: [f32; 4],
 }
 
-/// Float targets.
-pub(super) fn merge(inputs: &ColorInputs) -> Steps {
+/// Float targets. `zero_terms` says what becomes of terms whose factor is the constant zero.
+pub(super) fn merge(inputs: &ColorInputs, rules: &Rules, zero_terms: ZeroTerms) -> Steps {
     let channels = inputs.format.channels();
     let decode = |i: usize| match channels[i] {
         ChannelKind::Float(layout) => crate::model::binary32::narrow(layout.decode(inputs.dst[i])),
@@ -87,8 +88,9 @@ pub(super) fn merge(inputs: &ColorInputs) -> Steps {
     };
     let operands =
         Operands { src: inputs.src, src1: inputs.src1, constant: inputs.constant, dst: std::array::from_fn(decode) };
-    let flush = channels[0] == ChannelKind::Float(FloatLayout::SINGLE);
-    let (result, equation) = blend(inputs, &operands, Ops { flush });
+    let flush =
+        channels[0] == ChannelKind::Float(FloatLayout::SINGLE) || rules.small_denormals == SmallDenormals::Flushed;
+    let (result, equation) = blend(inputs, &operands, Ops { flush }, zero_terms);
     let codes = std::array::from_fn(|i| match channels[i] {
         ChannelKind::Float(layout) => store(layout, result[i]),
         _ => 0,
@@ -109,8 +111,28 @@ pub(super) fn store(layout: FloatLayout, x: f32) -> u32 {
     if layout == FloatLayout::SINGLE { x.to_bits() } else { layout.encode(f64::from(x), Rounding::TowardZero) }
 }
 
+/// What becomes of a term whose factor is the constant zero in every lane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ZeroTerms {
+    /// It is left out, and 0 NaN with it.
+    Dropped,
+    /// It is multiplied as others are.
+    Multiplied,
+}
+
+/// Whether it may depend on the driver's history what becomes of such terms.
+pub(super) fn is_undecided(inputs: &ColorInputs, rules: &Rules) -> bool {
+    let packed = matches!(inputs.format.channels()[0], ChannelKind::Float(layout) if !layout.signed);
+    packed && inputs.blend.is_some() && rules.zero_factor == ZeroFactor::Undecided
+}
+
 /// The driver's equation in binary32; with blending off, the source.
-pub(super) fn blend(inputs: &ColorInputs, operands: &Operands, ops: Ops) -> ([f32; 4], [Option<Equation>; 4]) {
+pub(super) fn blend(
+    inputs: &ColorInputs,
+    operands: &Operands,
+    ops: Ops,
+    zero_terms: ZeroTerms,
+) -> ([f32; 4], [Option<Equation>; 4]) {
     let mut result = operands.src;
     let mut equations = [None; 4];
     let Some(state) = inputs.blend.map(|state| rewrite(state, inputs.format)) else {
@@ -123,7 +145,7 @@ pub(super) fn blend(inputs: &ColorInputs, operands: &Operands, ops: Ops) -> ([f3
     };
     // A multiply by a constant is dropped only when every lane of the vector has that constant.
     let term = |pick: fn(&wgpu_types::BlendComponent) -> BlendFactor, x: f32, factor: f32| {
-        if both(BlendFactor::Zero, pick) {
+        if zero_terms == ZeroTerms::Dropped && both(BlendFactor::Zero, pick) {
             None
         } else if both(BlendFactor::One, pick) {
             Some(x)

@@ -2,31 +2,40 @@
 
 use wgpu_types::{BlendFactor, BlendOperation, BlendState};
 
-use super::VectorWidth;
+use super::generation::{Interpolation, Product, Rules};
 use super::state::{channel_count, complementary, is_inverted, rewrite};
 use super::steps::{Equation, Steps};
+use super::{Generation, VectorWidth};
 use crate::format::{ChannelKind, Codes};
 use crate::merger::blend::component;
 use crate::model::ColorInputs;
 
-/// Integer arithmetic of one width.
+/// Integer arithmetic of one width in one generation.
 #[derive(Clone, Copy)]
 struct Width {
     bits: u32,
+    product: Product,
+    interpolation: Interpolation,
 }
 
-const EIGHT: Width = Width { bits: 8 };
-const SIXTEEN: Width = Width { bits: 16 };
-
 impl Width {
+    fn new(bits: u32, rules: &Rules) -> Self {
+        Self { bits, product: rules.product, interpolation: rules.interpolation }
+    }
+
     fn one(self) -> u32 {
         (1 << self.bits) - 1
     }
 
-    /// (t + (t >> n) + 2^(n-1)) >> n with t = a b: near a b / N, and off from it for 24 of 65,536 pairs at 8 bits.
     fn multiply(self, a: u32, b: u32) -> u32 {
-        let t = a * b;
-        (t + (t >> self.bits) + (1 << (self.bits - 1))) >> self.bits
+        let (n, half, t) = (self.bits, 1 << (self.bits - 1), a * b);
+        match self.product {
+            Product::Near => (t + (t >> n) + half) >> n,
+            Product::Nearest => {
+                let u = t + half;
+                (u + (u >> n)) >> n
+            }
+        }
     }
 
     fn saturating_add(self, a: u32, b: u32) -> u32 {
@@ -55,9 +64,14 @@ impl Width {
     fn lerp(self, x: u32, v0: u32, v1: u32) -> u32 {
         let x = i64::from(x + (x >> (self.bits - 1)));
         let delta = i64::from(v1) - i64::from(v0);
-        let step = match self.bits {
-            8 => (x * delta * 128 + 0x4000) >> 15,
-            _ => (x * delta) >> 16,
+        let step = match (self.interpolation, self.bits) {
+            (Interpolation::Floor, 8) => (x * delta + 128) >> 8,
+            (Interpolation::Floor, bits) => (x * delta) >> bits,
+            (Interpolation::NearestEven, bits) => {
+                let floor = (x * delta) >> bits;
+                let (rest, half) = (x * delta - (floor << bits), 1 << (bits - 1));
+                floor + i64::from(rest > half || (rest == half && floor & 1 == 1))
+            }
         };
         let wrapped = (i64::from(v0) + step).rem_euclid(1 << self.bits);
         u32::try_from(wrapped).expect("reduced to the width")
@@ -94,17 +108,25 @@ pub fn quantize16(x: f32) -> u32 {
 /// 8-bit four-channel targets, codes in and codes out: the arithmetic of `merge8` without the record of its steps, for
 /// sweeps over every code.
 #[must_use]
-pub fn merge_codes8(state: &BlendState, src: Codes, src1: Codes, constant: Codes, dst: Codes) -> Codes {
+pub fn merge_codes8(
+    generation: Generation,
+    state: &BlendState,
+    src: Codes,
+    src1: Codes,
+    constant: Codes,
+    dst: Codes,
+) -> Codes {
     let operands = Operands { src, src1, constant, dst };
+    let width = Width::new(8, generation.rules());
     std::array::from_fn(|i| {
         let c = component(state, i);
-        let term = |x, factor| EIGHT.multiply(x, operands.factor(EIGHT, factor, i));
-        EIGHT.combine(c.operation, src[i], dst[i], || term(src[i], c.src_factor), || term(dst[i], c.dst_factor))
+        let term = |x, factor| width.multiply(x, operands.factor(width, factor, i));
+        width.combine(c.operation, src[i], dst[i], || term(src[i], c.src_factor), || term(dst[i], c.dst_factor))
     })
 }
 
 /// 8-bit unorm targets.
-pub(super) fn merge8(inputs: &ColorInputs, vector_width: VectorWidth) -> Steps {
+pub(super) fn merge8(inputs: &ColorInputs, vector_width: VectorWidth, rules: &Rules) -> Steps {
     // An alpha that the target lacks is taken in on its own, bounded at every width.
     let lacks_alpha = inputs.format.channels()[3] == ChannelKind::Absent;
     let width = |i: usize| if i == 3 && lacks_alpha { VectorWidth::Bits256 } else { vector_width };
@@ -112,11 +134,11 @@ pub(super) fn merge8(inputs: &ColorInputs, vector_width: VectorWidth) -> Steps {
     // Constants are prepared outside the vectorised shader and always bounded.
     let constant = inputs.constant.map(|x| quantize8(x, VectorWidth::Bits256));
     let operands = Operands { src: quantize(inputs.src), src1: quantize(inputs.src1), constant, dst: inputs.dst };
-    merge(EIGHT, inputs, &operands, |_, code| code)
+    merge(Width::new(8, rules), inputs, &operands, |_, code| code)
 }
 
 /// 16-bit unorm and 10-10-10-2 targets, the latter widened to 16 bits and truncated again.
-pub(super) fn merge16(inputs: &ColorInputs) -> Steps {
+pub(super) fn merge16(inputs: &ColorInputs, rules: &Rules) -> Steps {
     let channels = inputs.format.channels();
     let operands = Operands {
         src: inputs.src.map(quantize16),
@@ -128,7 +150,7 @@ pub(super) fn merge16(inputs: &ColorInputs) -> Steps {
             _ => inputs.dst[i],
         }),
     };
-    merge(SIXTEEN, inputs, &operands, |i, code| narrow16(channels[i].bits(), code))
+    merge(Width::new(16, rules), inputs, &operands, |i, code| narrow16(channels[i].bits(), code))
 }
 
 /// A 16-bit code as the driver stores it in a channel of 16, 10 or 2 bits.
@@ -228,14 +250,60 @@ fn merge(width: Width, inputs: &ColorInputs, operands: &Operands, store: impl Fn
 mod tests {
     use super::*;
 
+    fn widths() -> impl Iterator<Item = Width> {
+        Generation::ALL.into_iter().flat_map(|generation| [8, 16].map(|bits| Width::new(bits, generation.rules())))
+    }
+
     #[test]
-    fn one_is_the_identity_of_both_multiplies() {
-        for (width, step) in [(EIGHT, 1), (SIXTEEN, 7)] {
-            for a in (0..=width.one()).step_by(step) {
+    fn one_is_the_identity_of_every_multiply() {
+        for width in widths() {
+            for a in (0..=width.one()).step_by(if width.bits == 8 { 1 } else { 7 }) {
                 assert_eq!(width.multiply(a, width.one()), a, "{a} at {} bits", width.bits);
                 assert_eq!(width.multiply(a, 0), 0, "{a} at {} bits", width.bits);
             }
         }
+    }
+
+    /// a b / (2^n - 1) to the nearest; there are no ties, for the divisor is odd.
+    fn nearest(width: Width, a: u32, b: u32) -> u32 {
+        let (t, one) = (u64::from(a) * u64::from(b), u64::from(width.one()));
+        u32::try_from((2 * t + one) / (2 * one)).expect("a code")
+    }
+
+    #[test]
+    fn the_newest_products_are_the_nearest_codes_and_older_ones_miss_24_of_65536() {
+        let wrong = |generation: Generation| {
+            let width = Width::new(8, generation.rules());
+            let pairs = (0..=255).flat_map(|a| (0..=255).map(move |b| (a, b)));
+            pairs.filter(|(a, b)| width.multiply(*a, *b) != nearest(width, *a, *b)).count()
+        };
+        assert_eq!(Generation::ALL.map(wrong), [24, 24, 0]);
+    }
+
+    #[test]
+    fn products_of_16_bits_near_a_tie_tell_generations_apart() {
+        let [old, _, new] = Generation::ALL.map(|generation| Width::new(16, generation.rules()));
+        let mut apart = 0;
+        for a in 1..=64 {
+            for b in 0..=old.one() {
+                assert_eq!(new.multiply(a, b), nearest(new, a, b), "{a} {b}");
+                apart += u32::from(old.multiply(a, b) != new.multiply(a, b));
+            }
+        }
+        assert!(apart > 0, "some pair differs");
+    }
+
+    /// By rational arithmetic: the newest generation rounds X delta / 2^n to the nearest, ties to even.
+    #[test]
+    fn interpolation_rounds_ties_to_even_in_the_newest_generation_and_down_in_older_ones() {
+        let [old, _, new] = Generation::ALL.map(|generation| Width::new(8, generation.rules()));
+        // X = 128 + (128 >> 7) = 129; 129 * 64 / 256 = 32.25, 129 * 128 / 256 = 64.5.
+        assert_eq!([old, new].map(|width| width.lerp(128, 0, 64)), [32, 32], "no tie");
+        assert_eq!([old, new].map(|width| width.lerp(128, 0, 128)), [65, 64], "half up, half to even");
+        assert_eq!([old, new].map(|width| width.lerp(128, 128, 0)), [64, 64], "-64.5");
+        let [old, _, new] = Generation::ALL.map(|generation| Width::new(16, generation.rules()));
+        // X = 40000 + 1; 40001 * 3 / 65536 = 1.83.
+        assert_eq!([old, new].map(|width| width.lerp(40_000, 0, 3)), [1, 2], "down, to the nearest");
     }
 
     #[test]

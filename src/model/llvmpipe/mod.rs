@@ -1,7 +1,11 @@
 //! The `llvmpipe` model: Mesa's llvmpipe rasteriser (lavapipe, its Vulkan driver), bit for bit.
 //!
-//! Provenance: Mesa 22.3.6 (Debian 12's package), LLVM 15, x86-64 with AVX2, FMA and F16C, found by experiment through
-//! wgpu and checked by `outmerge conform --model llvmpipe`.
+//! The driver's bytes depend on three things, and a [`Llvmpipe`] names all of them: the [`Generation`], which is a range of
+//! versions of Mesa; the [`VectorWidth`] it compiles for; and the processor's reciprocal square root [`Estimate`], which sRGB
+//! targets show. `llvmpipe:mesa=25.0,rsqrt=amd-zen5` is such a name ([`LlvmpipeName`]).
+//!
+//! Provenance: Debian's packages on x86-64 with AVX2, FMA and F16C, found by experiment through wgpu and checked by `outmerge
+//! conform --model llvmpipe`; versions in [`generation`].
 //!
 //! The driver picks one of four arithmetics by target format and fuses load, blend and encode, so it replaces those
 //! stages as one unit:
@@ -19,23 +23,30 @@
 mod clear;
 mod depth;
 pub mod float;
+pub mod generation;
 pub mod integer;
-mod rsqrt;
+mod name;
+pub mod rsqrt;
 mod snorm;
 pub mod srgb;
 mod state;
 mod steps;
 
-pub use rsqrt::{RSQRT_CPU, rsqrt};
+pub use generation::{Footing, Generation};
+pub use name::{LlvmpipeName, LlvmpipeNameError};
+pub use rsqrt::Estimate;
 
-use wgpu_types::{BlendFactor, BlendState};
+use wgpu_types::{BlendFactor, BlendState, MultisampleState};
+
+use float::ZeroTerms;
+use generation::{SampleMask, ZeroFactor};
 
 use super::{ColorInputs, Explanation, NumericModel, Unsupported};
 use crate::format::depth::DepthKind;
 use crate::format::{ChannelKind, Codes, ColorFormat, FloatLayout, TargetClass};
 
 /// Width of the vectors the driver compiles for; it changes the clamp of 8-bit sources, and nothing else.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum VectorWidth {
     /// 256 bits: a processor with AVX, the usual case.
     #[default]
@@ -44,11 +55,15 @@ pub enum VectorWidth {
     Bits128,
 }
 
-/// The llvmpipe model.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// The llvmpipe model: of the newest generation, 256 bits and a recorded processor by default.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Llvmpipe {
+    /// Version of Mesa.
+    pub generation: Generation,
     /// Vector width of the driver that is modelled.
     pub vector_width: VectorWidth,
+    /// The processor's reciprocal square root estimate.
+    pub estimate: Estimate,
 }
 
 impl Llvmpipe {
@@ -60,7 +75,7 @@ impl Llvmpipe {
         let width = if channels[0] == ChannelKind::Srgb { VectorWidth::Bits256 } else { self.vector_width };
         std::array::from_fn(|i| match channels[i] {
             ChannelKind::Absent => 0,
-            ChannelKind::Srgb => srgb::encode(srgb::clamp_unit(src[i])),
+            ChannelKind::Srgb => srgb::encode(srgb::clamp_unit(src[i]), self.estimate),
             ChannelKind::Unorm(8) => integer::quantize8(src[i], width),
             ChannelKind::Unorm(bits) => integer::narrow16(bits, integer::quantize16(src[i])),
             ChannelKind::Snorm(bits) => snorm::store_code(src[i], bits),
@@ -71,26 +86,32 @@ impl Llvmpipe {
     /// Every intermediate number and the codes.
     fn run(self, inputs: &ColorInputs) -> steps::Steps {
         let format = inputs.format;
+        let rules = self.generation.rules();
         match (format.class(), format.channels()[0]) {
-            (TargetClass::Unorm, ChannelKind::Srgb) => srgb::merge(inputs),
-            (TargetClass::Unorm, ChannelKind::Unorm(8)) => integer::merge8(inputs, self.vector_width),
-            (TargetClass::Unorm, _) => integer::merge16(inputs),
+            (TargetClass::Unorm, ChannelKind::Srgb) => srgb::merge(inputs, self.estimate),
+            (TargetClass::Unorm, ChannelKind::Unorm(8)) => integer::merge8(inputs, self.vector_width, rules),
+            (TargetClass::Unorm, _) => integer::merge16(inputs, rules),
             (TargetClass::Snorm, _) => snorm::store(inputs),
-            (TargetClass::Float, _) => float::merge(inputs),
+            (TargetClass::Float, _) => float::merge(inputs, rules, ZeroTerms::Dropped),
         }
     }
 }
 
 impl NumericModel for Llvmpipe {
     fn name(&self) -> String {
-        match self.vector_width {
-            VectorWidth::Bits256 => "llvmpipe".to_owned(),
-            VectorWidth::Bits128 => "llvmpipe:128".to_owned(),
-        }
+        name::name(*self)
     }
 
-    fn provenance(&self) -> &'static str {
-        "Mesa 22.3.6 llvmpipe (lavapipe), LLVM 15, x86-64 with AVX2, FMA and F16C; measured through wgpu"
+    fn provenance(&self) -> String {
+        let (range, evidence) = (self.generation.range(), self.generation.facts().evidence);
+        let bits = match self.vector_width {
+            VectorWidth::Bits256 => 256,
+            VectorWidth::Bits128 => 128,
+        };
+        let processor = self.estimate.processor();
+        format!(
+            "Mesa {range}'s llvmpipe (lavapipe), {bits}-bit vectors, square roots of {processor}; measured through wgpu: {evidence}"
+        )
     }
 
     fn supports(&self, format: ColorFormat, blend: Option<&BlendState>) -> Result<(), Unsupported> {
@@ -108,9 +129,21 @@ impl NumericModel for Llvmpipe {
         self.run(inputs).codes
     }
 
+    /// On 11/10-bit float targets, where a factor is the constant zero and its operand is not finite ([`generation::ZeroFactor`]).
+    fn alternative(&self, inputs: &ColorInputs) -> Option<Codes> {
+        let rules = self.generation.rules();
+        if !float::is_undecided(inputs, rules) {
+            return None;
+        }
+        let [one, other] =
+            [ZeroTerms::Dropped, ZeroTerms::Multiplied].map(|terms| float::merge(inputs, rules, terms).codes);
+        (one != other).then_some(other)
+    }
+
     fn clear_color(&self, format: ColorFormat, color: [f32; 4]) -> Codes {
         let channels = format.channels();
-        std::array::from_fn(|i| clear::code(channels[i], color[i]))
+        let rule = self.generation.rules().clear;
+        std::array::from_fn(|i| clear::code(channels[i], color[i], rule))
     }
 
     /// Clears store a float as it is, where a fragment's depth loses its denormals and the sign of a zero.
@@ -125,12 +158,18 @@ impl NumericModel for Llvmpipe {
         steps::explain(inputs, &self.run(inputs))
     }
 
+    /// The oldest generation asks only whether the mask of a single sample is 0 ([`generation::SampleMask`]).
+    fn sample_mask(&self, multisample: &MultisampleState) -> u64 {
+        let ignored = self.generation.rules().sample_mask == SampleMask::Ignored;
+        if ignored && multisample.count == 1 && multisample.mask != 0 { u64::MAX } else { multisample.mask }
+    }
+
     fn float_rule(&self) -> Option<crate::kernel::FloatRule> {
-        Some(crate::kernel::FloatRule::Llvmpipe)
+        Some(crate::kernel::FloatRule::Llvmpipe(*self))
     }
 
     fn unorm8_rule(&self) -> Option<crate::kernel::Rule> {
-        Some(crate::kernel::Rule::Llvmpipe)
+        Some(crate::kernel::Rule::Llvmpipe(self.generation.rules().product))
     }
 
     /// The driver clamps fragment depth to `[0, 1]`; the viewport's range matters to it only with depth clamping on.
@@ -159,6 +198,10 @@ impl NumericModel for Llvmpipe {
     /// `One Zero` is fma(1, S - D, D) there, which even a finite destination changes.
     fn drops_zero_destination(&self, format: ColorFormat, blend: &BlendState) -> bool {
         let blend = state::rewrite(*blend, format);
+        let packed = matches!(format.channels()[0], ChannelKind::Float(layout) if !layout.signed);
+        if packed && self.generation.rules().zero_factor != ZeroFactor::Dropped {
+            return false;
+        }
         let has_alpha = format.channels()[3] != ChannelKind::Absent;
         let zero = |factor| factor == BlendFactor::Zero;
         state::channel_count(format) > 1 && zero(blend.color.dst_factor) && (!has_alpha || zero(blend.alpha.dst_factor))
@@ -175,7 +218,7 @@ mod tests {
     #[test]
     fn the_store_alone_is_what_an_unblended_draw_stores() {
         for vector_width in [VectorWidth::Bits256, VectorWidth::Bits128] {
-            let model = Llvmpipe { vector_width };
+            let model = Llvmpipe { vector_width, ..Llvmpipe::default() };
             for (name, texture_format) in FORMATS {
                 let format = ColorFormat::new(texture_format).expect("listed");
                 for bits in (0..=u32::MAX).step_by(65_521) {
@@ -191,7 +234,7 @@ mod tests {
     #[test]
     fn narrow_vectors_lose_huge_numbers_in_stored_channels_only() {
         let inf = [f32::INFINITY; 4];
-        let narrow = Llvmpipe { vector_width: VectorWidth::Bits128 };
+        let narrow = Llvmpipe { vector_width: VectorWidth::Bits128, ..Llvmpipe::default() };
         let codes = |model: Llvmpipe, format, dst_factor| {
             let both = wgpu_types::BlendComponent {
                 src_factor: BlendFactor::Zero,
@@ -222,9 +265,13 @@ mod tests {
 
     #[test]
     fn the_lean_8_bit_path_is_the_model() {
+        Generation::ALL.into_iter().for_each(lean_path_is_the_model);
+    }
+
+    fn lean_path_is_the_model(generation: Generation) {
         use crate::state::spelling::{blend_factors, blend_operations};
         let format = ColorFormat::new(TextureFormat::Rgba8Unorm).expect("known");
-        let model = Llvmpipe::default();
+        let model = Llvmpipe { generation, ..Llvmpipe::default() };
         let mut x = 1_u32;
         let mut codes = || {
             x = x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -246,7 +293,7 @@ mod tests {
                             src1: output(src1),
                             dst,
                         };
-                        let lean = integer::merge_codes8(&state, src, src1, constant, dst);
+                        let lean = integer::merge_codes8(model.generation, &state, src, src1, constant, dst);
                         assert_eq!(lean, model.merge_color(&inputs), "{state:?} {inputs:?}");
                     }
                 }

@@ -1,18 +1,18 @@
 //! 8-bit sRGB targets: polynomial decode, float blending, and an encode built on the processor's reciprocal square root.
 //!
-//! The encode's results depend on the processor: see [`super::rsqrt`]. Its largest distance from the true curve is about
-//! 0.66 of a code, and it is not monotone; both are the driver's.
+//! The encode's results depend on the processor: see [`Estimate`]. Its largest distance from the true curve is about 0.66 of
+//! a code, and it is not monotone; both are the driver's.
 
-use super::float::{self, Ops};
+use super::float::{self, Ops, ZeroTerms};
 use super::integer::quantize8;
-use super::rsqrt::rsqrt;
+use super::rsqrt::Estimate;
 use super::steps::Steps;
 use super::{VectorWidth, state};
 use crate::format::ChannelKind;
 use crate::model::ColorInputs;
 
 /// 8-bit sRGB targets.
-pub(super) fn merge(inputs: &ColorInputs) -> Steps {
+pub(super) fn merge(inputs: &ColorInputs, estimate: Estimate) -> Steps {
     let clamp = |color: [f32; 4]| color.map(clamp_unit);
     let operands = float::Operands {
         src: clamp(inputs.src),
@@ -21,10 +21,10 @@ pub(super) fn merge(inputs: &ColorInputs) -> Steps {
         dst: std::array::from_fn(|i| if i == 3 { decode_alpha(inputs.dst[3]) } else { decode(inputs.dst[i]) }),
     };
     debug_assert_eq!(state::channel_count(inputs.format), 4, "both sRGB formats have four channels");
-    let (result, equation) = float::blend(inputs, &operands, OPS);
+    let (result, equation) = float::blend(inputs, &operands, OPS, ZeroTerms::Dropped);
     let channels = inputs.format.channels();
     let codes = std::array::from_fn(|i| match channels[i] {
-        ChannelKind::Srgb => encode(clamp_unit(result[i])),
+        ChannelKind::Srgb => encode(clamp_unit(result[i]), estimate),
         _ => quantize8(result[i], VectorWidth::Bits256),
     });
     Steps {
@@ -80,12 +80,12 @@ pub(crate) const ENCODE: [f32; 3] = [0.716_985, 0.345_215, -0.062];
 const OPS: Ops = Ops { flush: true };
 
 /// The code of a linear number in [0, 1].
-pub(super) fn encode(s: f32) -> u32 {
+pub(super) fn encode(s: f32, estimate: Estimate) -> u32 {
     let scaled = if s <= 0.003_130_8 {
         OPS.multiply(s, 12.92 * 255.0)
     } else {
-        let root = s * rsqrt(s);
-        let fourth = rsqrt(rsqrt(root * s));
+        let root = s * estimate.rsqrt(s);
+        let fourth = estimate.rsqrt(estimate.rsqrt(root * s));
         let sum = fma(ENCODE[1] * 255.0, root, ENCODE[2] * 255.0);
         ENCODE[0] * 255.0 * fourth + sum
     };
@@ -115,8 +115,10 @@ mod tests {
 
     #[test]
     fn every_code_survives_decode_and_encode() {
-        for code in 0..=255 {
-            assert_eq!(encode(decode(code)), code, "code {code}");
+        for estimate in Estimate::RECORDED.into_iter().chain(Estimate::host()) {
+            for code in 0..=255 {
+                assert_eq!(encode(decode(code), estimate), code, "code {code}, {estimate:?}");
+            }
         }
     }
 }

@@ -181,8 +181,9 @@ impl NumericModel for SwiftShader {
         "swiftshader".to_owned()
     }
 
-    fn provenance(&self) -> &'static str {
+    fn provenance(&self) -> String {
         "SwiftShader's Vulkan driver as shipped with Debian's Chromium 156, x86-64; public source, checked through wgpu"
+            .to_owned()
     }
 
     fn supports(&self, format: ColorFormat, blend: Option<&BlendState>) -> Result<(), Unsupported> {

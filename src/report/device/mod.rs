@@ -9,7 +9,7 @@ use crate::{
     crosscheck::Device,
     crosscheck::drawn::{Agreement, Drawer, Drawn},
     crosscheck::raster::of_llvmpipe_here,
-    model::{NumericModel, exact::Exact, llvmpipe::Llvmpipe, swiftshader::SwiftShader},
+    model::{NumericModel, exact::Exact, swiftshader::SwiftShader},
     report::difference::{Difference, Differences},
     scene::raster::Rasteriser,
     scene::{Picture, PictureAlpha, Scene},
@@ -102,7 +102,7 @@ pub struct DeviceOutcome {
 #[cfg(feature = "gpu")]
 #[must_use]
 pub fn draw(device: &Device, scenes: &[(String, Scene)], done: &(dyn Fn() + Sync)) -> DeviceReport {
-    let (model, rasteriser, subpixel_bits) = modelled(&device.report().name);
+    let (model, rasteriser, subpixel_bits) = modelled(device);
     let by_its_rules = |(name, scene): &(String, Scene)| {
         let mut scene = scene.clone();
         scene.target.subpixel_bits = subpixel_bits;
@@ -126,9 +126,10 @@ pub fn draw(device: &Device, scenes: &[(String, Scene)], done: &(dyn Fn() + Sync
 /// The model of a device's driver and its rasteriser, `exact` and the reference for drivers without one, and the driver's
 /// `subPixelPrecisionBits`, which wgpu does not tell.
 #[cfg(feature = "gpu")]
-fn modelled(device: &str) -> (Box<dyn NumericModel>, Rasteriser, u8) {
-    match device {
-        name if name.contains("llvmpipe") => (Box::new(Llvmpipe::default()), of_llvmpipe_here(), 8),
+fn modelled(device: &Device) -> (Box<dyn NumericModel>, Rasteriser, u8) {
+    let llvmpipe = device.report().drivers().llvmpipe;
+    match device.report().name.as_str() {
+        name if name.contains("llvmpipe") => (Box::new(llvmpipe), of_llvmpipe_here(llvmpipe.generation), 8),
         name if name.contains("SwiftShader") => (Box::new(SwiftShader), Rasteriser::Reference, 4),
         _ => (Box::new(Exact::default()), Rasteriser::Reference, 8),
     }

@@ -1,6 +1,7 @@
 use std::path::Path;
 
 use super::*;
+use crate::model::llvmpipe::Generation;
 use crate::scene::material::Pass;
 use crate::scene::raster::Rasteriser;
 
@@ -47,7 +48,10 @@ fn a_small_scene_is_read_with_defaults() {
     assert_eq!(coarse.target.subpixel_bits, 4, "the grid it asks for");
     assert_eq!(scene.target.rasteriser, Rasteriser::Reference, "unless it asks for another");
     let driver = parse(&SCENE.replace("width = 16", "width = 16\nrasteriser = \"llvmpipe\"")).expect("a correct scene");
-    assert_eq!(driver.target.rasteriser, Rasteriser::Llvmpipe);
+    assert_eq!(driver.target.rasteriser, Rasteriser::Llvmpipe(Generation::default()), "the newest");
+    let older = "width = 16\nrasteriser = \"llvmpipe-unfused:mesa=22.3\"";
+    let older = parse(&SCENE.replace("width = 16", older)).expect("a correct scene");
+    assert_eq!(older.target.rasteriser, Rasteriser::LlvmpipeUnfused(Generation::Mesa22_3));
     assert_eq!(scene.materials[0].queue().number(), 3000, "the mode's queue");
 }
 

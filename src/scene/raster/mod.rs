@@ -28,9 +28,10 @@ mod tests;
 pub use edge::Span;
 pub use setup::Primitive;
 
-use wgpu_types::{DepthBiasState, PrimitiveState};
+use wgpu_types::{DepthBiasState, PrimitiveState, TextureFormat};
 
 use crate::format::depth::DepthKind;
+use crate::model::llvmpipe::Generation;
 use crate::target::Extent;
 
 /// Sub-pixel positions a pixel is divided into, per axis: the unit of positions, whatever grid they are snapped to.
@@ -52,16 +53,48 @@ pub struct Vertex<const N: usize> {
 }
 
 /// Whose clipping and interpolation. Snapping, facing and coverage by the top-left rule are everybody's.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Rasteriser {
     /// This module's own: a wide guard band, binary64, the triangle as it is snapped.
     #[default]
     Reference,
     /// [`llvmpipe`]'s, bit for bit, on a processor with fused multiply-add instructions.
-    Llvmpipe,
+    Llvmpipe(Generation),
     /// The same on a processor without them.
-    LlvmpipeUnfused,
+    LlvmpipeUnfused(Generation),
+}
+
+/// A name that is no rasteriser's.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "unknown rasteriser `{0}`; use reference, llvmpipe, llvmpipe-unfused, or one of the latter with a version: llvmpipe:mesa=22.3"
+)]
+pub struct RasteriserNameError(String);
+
+impl std::str::FromStr for Rasteriser {
+    type Err = RasteriserNameError;
+
+    /// `reference`; `llvmpipe` or `llvmpipe-unfused`, of the newest generation unless `:mesa=VERSION` follows.
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        let error = || RasteriserNameError(name.to_owned());
+        let (kind, generation) = match name.split_once(":mesa=") {
+            Some((kind, version)) => (kind, Generation::from_name(version).ok_or_else(error)?),
+            None => (name, Generation::default()),
+        };
+        match kind {
+            "reference" if kind == name => Ok(Self::Reference),
+            "llvmpipe" => Ok(Self::Llvmpipe(generation)),
+            "llvmpipe-unfused" => Ok(Self::LlvmpipeUnfused(generation)),
+            _ => Err(error()),
+        }
+    }
+}
+
+impl<'de> serde::Deserialize<'de> for Rasteriser {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = <String as serde::Deserialize>::deserialize(deserializer)?;
+        name.parse().map_err(serde::de::Error::custom)
+    }
 }
 
 impl Rasteriser {
@@ -70,6 +103,23 @@ impl Rasteriser {
     #[must_use]
     pub fn has_fine_derivatives(self) -> bool {
         self != Self::Reference
+    }
+
+    /// The driver's generation.
+    #[must_use]
+    pub fn generation(self) -> Option<Generation> {
+        match self {
+            Self::Reference => None,
+            Self::Llvmpipe(generation) | Self::LlvmpipeUnfused(generation) => Some(generation),
+        }
+    }
+
+    /// Whether [`llvmpipe`] cuts at twice the target's size instead of at its edges. It does so in x and y where a target of
+    /// some formats is the only one and nothing is attached for depth; `format` is that target's, if so.
+    #[must_use]
+    pub fn has_guard_band(self, format: Option<TextureFormat>) -> bool {
+        let formats = self.generation().map_or(&[][..], |generation| generation.rules().guard_band);
+        format.is_some_and(|format| formats.contains(&format))
     }
 }
 
@@ -91,8 +141,7 @@ pub struct RasterState {
     pub subpixel_bits: u8,
     /// Whose rules.
     pub rasteriser: Rasteriser,
-    /// Whether [`llvmpipe`] cuts at twice the target's size instead of at its edges: it does with one bgra8unorm target and
-    /// no depth target. The reference has a wide guard band always.
+    /// [`Rasteriser::has_guard_band`]. The reference has a wide guard band always.
     pub guard_band: bool,
 }
 
@@ -120,8 +169,8 @@ pub fn assemble<const N: usize>(triangle: [Vertex<N>; 3], state: &RasterState) -
         Rasteriser::Reference => {
             fan(&clip::clip(triangle, state)).filter_map(|part| Primitive::new(part, state)).collect()
         }
-        Rasteriser::Llvmpipe => llvmpipe::assemble(triangle, state, true),
-        Rasteriser::LlvmpipeUnfused => llvmpipe::assemble(triangle, state, false),
+        Rasteriser::Llvmpipe(_) => llvmpipe::assemble(triangle, state, true),
+        Rasteriser::LlvmpipeUnfused(_) => llvmpipe::assemble(triangle, state, false),
     }
 }
 

@@ -45,7 +45,7 @@ fn quad(x0: f64, y0: f64, x1: f64, y1: f64) -> [[Vertex<0>; 3]; 2] {
 fn full_screen_quad_covers_every_pixel_once() {
     let size = f64::from(SIZE);
     for (reach, name) in [(0.0, "exact"), (7.3, "overhanging"), (1e6, "far beyond the guard band")] {
-        for rasteriser in [Rasteriser::Reference, Rasteriser::Llvmpipe, Rasteriser::LlvmpipeUnfused] {
+        for rasteriser in rasterisers() {
             let state = RasterState { rasteriser, ..state() };
             let counts = hits(&quad(-reach, -reach, size + reach, size + reach), &state);
             assert!(counts.iter().all(|&count| count == 1), "{name}, {rasteriser:?}: {counts:?}");
@@ -201,7 +201,7 @@ proptest! {
     fn any_floats_rasterise_without_panic_and_within_the_target(
         triangle in prop::array::uniform3(any_vertex()), unclipped in any::<bool>()
     ) {
-        for rasteriser in [Rasteriser::Reference, Rasteriser::Llvmpipe, Rasteriser::LlvmpipeUnfused] {
+        for rasteriser in rasterisers() {
             let mut state = RasterState { rasteriser, ..state() };
             state.primitive.unclipped_depth = unclipped;
             for primitive in assemble(triangle, &state) {
@@ -296,7 +296,10 @@ fn a_cut_triangle_has_the_bits_recorded_from_llvmpipe() {
         (20, 7, 0x3ee8_67ac, 0x3f04_ff20),
         (10, 22, 0x3ee8_add0, 0x3eb0_fc97),
     ];
-    for (rasteriser, recorded) in [(Rasteriser::Llvmpipe, fused), (Rasteriser::LlvmpipeUnfused, unfused)] {
+    let newest = Generation::default();
+    for (rasteriser, recorded) in
+        [(Rasteriser::Llvmpipe(newest), fused), (Rasteriser::LlvmpipeUnfused(newest), unfused)]
+    {
         let parts = assemble(triangle, &RasterState { rasteriser, ..state() });
         assert!(parts.len() > 1, "cut, so a fan: {}", parts.len());
         for (x, y, depth, varying) in recorded {
@@ -310,14 +313,39 @@ fn a_cut_triangle_has_the_bits_recorded_from_llvmpipe() {
 }
 
 #[test]
-fn a_coplanar_bias_unit_is_two_codes_of_unorm_depth_in_llvmpipe() {
-    let bias = DepthBiasState { constant: 1, ..DepthBiasState::default() };
+fn a_coplanar_bias_unit_of_unorm_depth_is_two_codes_in_older_llvmpipes_and_one_and_a_half_in_the_newest() {
     let depth = Some(DepthKind::Unorm(16));
-    let state = RasterState { rasteriser: Rasteriser::Llvmpipe, bias, depth, ..state() };
-    let parts = assemble([at(2.0, 2.0), at(20.0, 2.0), at(2.0, 20.0)], &state);
-    assert_eq!(
-        parts[0].depth(4, 4),
-        0.5 + 2.0 / 65_535.0,
-        "Vulkan admits a minimum resolvable difference of 2 x 2^-16"
-    );
+    let biased = |generation, constant: i32| {
+        let bias = DepthBiasState { constant, ..DepthBiasState::default() };
+        let state = RasterState { rasteriser: Rasteriser::Llvmpipe(generation), bias, depth, ..state() };
+        assemble([at(2.0, 2.0), at(20.0, 2.0), at(2.0, 20.0)], &state)[0].depth(4, 4)
+    };
+    let code = 1.0 / 65_535.0;
+    for older in [Generation::Mesa22_3, Generation::Mesa25_0] {
+        // Vulkan admits a minimum resolvable difference of 2 x 2^-16.
+        assert_eq!([1, -3].map(|c| biased(older, c)), [0.5 + 2.0 * code, 0.5 - 6.0 * code], "{older}");
+    }
+    assert_eq!([1, -3].map(|c| biased(Generation::Mesa26_1, c)), [0.5 + 1.5 * code, 0.5 - 3.5 * code]);
+}
+
+/// The reference, and every generation's, fused and not.
+fn rasterisers() -> impl Iterator<Item = Rasteriser> {
+    let of = |generation| [Rasteriser::Llvmpipe(generation), Rasteriser::LlvmpipeUnfused(generation)];
+    std::iter::once(Rasteriser::Reference).chain(Generation::ALL.into_iter().flat_map(of))
+}
+
+#[test]
+fn only_named_formats_alone_have_a_guard_band() {
+    use TextureFormat as T;
+    for (generation, with) in [
+        (Generation::Mesa22_3, &[T::Bgra8Unorm][..]),
+        (Generation::Mesa25_0, &[T::Bgra8Unorm, T::Rgba8Unorm]),
+        (Generation::Mesa26_1, &[T::Bgra8Unorm, T::Rgba8Unorm]),
+    ] {
+        for format in [T::Bgra8Unorm, T::Rgba8Unorm, T::Rgba8UnormSrgb, T::R8Unorm, T::Rgba16Float] {
+            let has = Rasteriser::Llvmpipe(generation).has_guard_band(Some(format));
+            assert_eq!(has, with.contains(&format), "{format:?}, {generation}");
+        }
+        assert!(!Rasteriser::Llvmpipe(generation).has_guard_band(None), "several targets");
+    }
 }

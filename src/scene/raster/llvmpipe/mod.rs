@@ -5,8 +5,8 @@
 //! 2. (`plane`) Depth, `1/w` and varyings over `w` are planes `a + x dx + y dy` in binary32, through the vertices as they
 //!    are and not as they are snapped; `a` is the value at pixel (0, 0), so much of it may cancel far from there.
 //!
-//! Snapping, facing and coverage are the reference's. Where a bgra8unorm target is the only one and there is no depth
-//! target, the driver cuts in x and y at twice the target's size only ([`RasterState::guard_band`]).
+//! Snapping, facing and coverage are the reference's. Where a target of some formats is the only one and there is no depth
+//! target, the driver cuts in x and y at twice the target's size only ([`super::Rasteriser::has_guard_band`]).
 //!
 //! Source: Mesa 22.3's public source (draw's clip stage, llvmpipe's setup and its fragment interpolation), held against
 //! the driver by `cargo test --all-features --test crosscheck raster`.

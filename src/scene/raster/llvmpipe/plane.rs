@@ -2,6 +2,7 @@
 
 use super::{WindowVertex, multiply_add};
 use crate::format::depth::DepthKind;
+use crate::model::llvmpipe::generation::BiasUnit;
 use crate::scene::number::{f64_to_f32, u32_to_f32};
 use crate::scene::raster::RasterState;
 use crate::scene::raster::bias::clamped;
@@ -65,10 +66,15 @@ impl Setup {
         let constant = f64_to_f32(f64::from(bias.constant));
         let slope = self.depth_slope() * bias.slope_scale;
         let offset = match kind {
-            // Two codes; one unit in the last place below.
             DepthKind::Unorm(bits) => {
-                f64_to_f32(2.0 * f64::from(constant) * (1.0 / (f64::from(bits).exp2() - 1.0))) + slope
+                let codes = match state.rasteriser.generation().unwrap_or_default().rules().bias_unit {
+                    BiasUnit::TwoCodes => 2.0 * f64::from(constant),
+                    BiasUnit::CodeAndHalf if constant == 0.0 => 0.0,
+                    BiasUnit::CodeAndHalf => f64::from(constant) + 0.5_f64.copysign(f64::from(constant)),
+                };
+                f64_to_f32(codes * (1.0 / (f64::from(bits).exp2() - 1.0))) + slope
             }
+            // One unit in the last place.
             DepthKind::Float32 => {
                 let largest = vertices.iter().fold(0.0, |top: f32, vertex| top.max(vertex.window[2].abs()));
                 let exponent = (largest.to_bits() & 0x7f80_0000).saturating_sub(23 << 23);
