@@ -136,14 +136,23 @@ impl Check {
             }
             for (format, counts) in &report.formats {
                 text.push_str(&format!(
-                    "{format:16} {:8} texels, {} differ ({} of {} lines)\n",
-                    counts.texels, counts.failed_texels, counts.failed_lines, counts.lines
+                    "{format:16} {:8} texels, {} differ ({} of {} lines){}\n",
+                    counts.texels,
+                    counts.failed_texels,
+                    counts.failed_lines,
+                    counts.lines,
+                    undecided(counts)
                 ));
             }
             let total = report.total;
             text.push_str(&format!(
-                "{}: {} lines, {} texels, {} texels differ in {} lines\n",
-                report.model, total.lines, total.texels, total.failed_texels, total.failed_lines
+                "{}: {} lines, {} texels, {} texels differ in {} lines{}\n",
+                report.model,
+                total.lines,
+                total.texels,
+                total.failed_texels,
+                total.failed_lines,
+                undecided(&total)
             ));
             output::print(&text)?;
         }
@@ -172,6 +181,14 @@ impl Generate {
             Ok(())
         })?;
         Ok(Outcome::Fine)
+    }
+}
+
+/// Texels that count neither way, where there are any.
+fn undecided(counts: &vectors::Checked) -> String {
+    match counts.undecided_texels {
+        0 => String::new(),
+        n => format!("; {n} undecided: the driver's result depends on its history"),
     }
 }
 

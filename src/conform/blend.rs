@@ -5,11 +5,11 @@ use std::ops::ControlFlow;
 use wgpu_types::{BlendState, ColorTargetState, ColorWrites};
 
 use super::level::{States, component_name, equal_states};
-use super::run::{Subject, Tally, compare, same_codes, texel};
+use super::run::{Subject, Tally, compare, texel};
 use crate::crosscheck::{Destination, Device, Job, ReplayError, Sources, Sweep};
 use crate::format::ColorFormat;
 use crate::merger::write_mask;
-use crate::model::ColorInputs;
+use crate::model::{ColorInputs, agreement};
 use crate::state::{MergerState, reads_second_source};
 use crate::target::{Extent, Framebuffer};
 use crate::vectors::{Generator, VectorLine};
@@ -106,7 +106,6 @@ fn run_states(
         destination: Destination::Restored,
         unclipped_depth: false,
     });
-    let channels = format.channels();
     sweep.run(jobs, |number, outcome| {
         let (blend, mask, constant) = states[number];
         let got = outcome.color(0);
@@ -123,7 +122,7 @@ fn run_states(
                 let inputs: ColorInputs = inputs(i);
                 write_mask::select(mask, inputs.dst, model.merge_color(&inputs))
             };
-            let compared = compare(line.len(), |i| same_codes(channels, texel(format, got, i), expected(i)));
+            let compared = compare(line.len(), |i| agreement(model, &inputs(i), mask, texel(format, got, i)));
             tally.add(s, compared, |i| {
                 let (expected, got) = (expected(i), texel(format, got, i));
                 format!("{}: expected {expected:x?}, got {got:x?}", describe(blend, mask, &inputs(i)))

@@ -60,9 +60,12 @@ pub struct UnitOutcome {
 pub struct ModelOutcome {
     /// Texels that differ.
     pub mismatches: u64,
+    /// Texels whose result depends on the driver's history, and is one of the possible ones: neither match nor mismatch.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub undecided: u64,
     /// States compared.
     pub states: u64,
-    /// States without any difference.
+    /// States without any difference in a texel that is decided.
     pub states_matched: u64,
     /// Why the model was not compared, if it was not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -70,6 +73,11 @@ pub struct ModelOutcome {
     /// The first difference.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub first: Option<String>,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over references")]
+fn is_zero(count: &u64) -> bool {
+    *count == 0
 }
 
 impl UnitOutcome {
@@ -212,9 +220,11 @@ pub struct Totals {
     pub texels: u64,
     /// Texels that differ.
     pub mismatches: u64,
+    /// Texels that are undecided: neither match nor mismatch.
+    pub undecided: u64,
     /// States compared.
     pub states: u64,
-    /// States without any difference.
+    /// States without any difference in a texel that is decided.
     pub states_matched: u64,
     /// Units not compared.
     pub units_not_run: u64,
@@ -224,6 +234,7 @@ impl Totals {
     fn add(&mut self, texels: u64, outcome: &ModelOutcome) {
         self.texels += texels;
         self.mismatches += outcome.mismatches;
+        self.undecided += outcome.undecided;
         self.states += outcome.states;
         self.states_matched += outcome.states_matched;
     }

@@ -11,10 +11,10 @@ use super::spec::Bench;
 use super::{Unit, blend, codes, depth, store};
 use crate::admissible::Judge;
 use crate::crosscheck::{Device, ReplayError};
-use crate::format::{ChannelKind, Codes, ColorFormat};
-use crate::model::NumericModel;
+use crate::format::{Codes, ColorFormat};
 use crate::model::llvmpipe::Llvmpipe;
 use crate::model::registry::{self, Drivers, ModelNameError};
+use crate::model::{Agreement, NumericModel};
 
 /// A model under comparison.
 #[derive(Debug)]
@@ -86,6 +86,7 @@ impl<'a> Tally<'a> {
         outcome.states += 1;
         outcome.states_matched += u64::from(compared.mismatches == 0);
         outcome.mismatches += compared.mismatches;
+        outcome.undecided += compared.undecided;
         if let (None, Some(at)) = (&outcome.first, compared.first) {
             outcome.first = Some(describe(at));
         }
@@ -96,36 +97,34 @@ impl<'a> Tally<'a> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Compared {
     pub mismatches: u64,
+    /// Texels that count neither way.
+    pub undecided: u64,
     pub first: Option<usize>,
 }
 
-/// Compares `count` texels, several at a time; `same` says whether texel i is as the model has it.
-pub(super) fn compare(count: usize, same: impl Fn(usize) -> bool + Sync) -> Compared {
+/// Compares `count` texels, several at a time; `agreement` says how texel i relates to the model's.
+pub(super) fn compare<A: Into<Agreement>>(count: usize, agreement: impl Fn(usize) -> A + Sync) -> Compared {
     const CHUNK: usize = 4096;
     let chunk = |start: usize| {
         let mut compared = Compared::default();
         for i in start * CHUNK..((start + 1) * CHUNK).min(count) {
-            if !same(i) {
-                compared.mismatches += 1;
-                compared.first.get_or_insert(i);
+            match agreement(i).into() {
+                Agreement::Same => {}
+                Agreement::Undecided => compared.undecided += 1,
+                Agreement::Different => {
+                    compared.mismatches += 1;
+                    compared.first.get_or_insert(i);
+                }
             }
         }
         compared
     };
     let join = |a: Compared, b: Compared| Compared {
         mismatches: a.mismatches + b.mismatches,
+        undecided: a.undecided + b.undecided,
         first: a.first.into_iter().chain(b.first).min(),
     };
     (0..count.div_ceil(CHUNK)).into_par_iter().map(chunk).reduce(Compared::default, join)
-}
-
-/// Whether two texels agree: bit for bit, but any NaN of a float channel equals any NaN.
-pub(super) fn same_codes(channels: [ChannelKind; 4], a: Codes, b: Codes) -> bool {
-    a == b
-        || channels.into_iter().enumerate().all(|(i, kind)| match kind {
-            ChannelKind::Float(layout) => a[i] == b[i] || (layout.is_nan(a[i]) && layout.is_nan(b[i])),
-            _ => a[i] == b[i],
-        })
 }
 
 /// The codes of texel `i` of a target's bytes.

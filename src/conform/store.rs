@@ -7,11 +7,11 @@ use std::ops::ControlFlow;
 
 use wgpu_types::ColorWrites;
 
-use super::run::{Subject, Tally, compare, same_codes, texel};
+use super::run::{Subject, Tally, compare, texel};
 use super::spec::Bench;
 use crate::crosscheck::{Destination, Device, Input, Job, Program, ReplayError, Sweep};
 use crate::format::{Codes, ColorFormat};
-use crate::model::ColorInputs;
+use crate::model::{ColorInputs, same_codes};
 use crate::state::MergerState;
 use crate::target::{Extent, Framebuffer};
 
@@ -47,7 +47,6 @@ pub(super) fn run(
         destination: Destination::LeftOver,
         unclipped_depth: false,
     });
-    let channels = format.channels();
     let mut compared = vec![super::run::Compared::default(); subjects.len()];
     let mut firsts: Vec<Option<String>> = vec![None; subjects.len()];
     sweep.run(jobs, |number, outcome| {
@@ -75,7 +74,7 @@ pub(super) fn run(
                 continue;
             }
             let found = compare(got.len() / format.bytes_per_texel(), |i| {
-                same_codes(channels, texel(format, got, i), expected(i))
+                same_codes(format, texel(format, got, i), expected(i))
             });
             compared[s].mismatches += found.mismatches;
             if let (None, Some(i)) = (&firsts[s], found.first) {

@@ -202,14 +202,18 @@ fn spec_verdict(outcome: &SpecOutcome) -> String {
 }
 
 fn verdict(total: Totals) -> String {
-    let Totals { texels, mismatches, states, states_matched, .. } = total;
-    match (states, mismatches) {
+    let Totals { texels, mismatches, undecided, states, states_matched, .. } = total;
+    let verdict = match (states, mismatches) {
         (0, _) => "not run".to_owned(),
         (_, 0) => format!("fits: {states} states, {texels} texels, no mismatch"),
         _ => format!(
             "does not fit: {} of {states} states, {mismatches} of {texels} texels differ",
             states - states_matched
         ),
+    };
+    match undecided {
+        0 => verdict,
+        _ => format!("{verdict}; {undecided} of them undecided: the driver's result there depends on its history"),
     }
 }
 

@@ -14,6 +14,7 @@
 //! | [`swiftshader`] | SwiftShader's Vulkan driver, bit for bit |
 
 pub mod account;
+mod agreement;
 pub mod binary16;
 pub mod binary32;
 pub mod exact;
@@ -24,6 +25,7 @@ mod number;
 pub mod registry;
 pub mod swiftshader;
 
+pub use agreement::{Agreement, agreement, agreement_of_layers, same_codes};
 pub use explanation::{ChannelStep, Explanation, Step, StepKind};
 pub use number::{Number, decimal};
 

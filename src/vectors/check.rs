@@ -6,7 +6,6 @@ use std::io::{BufRead, Read, Write};
 use serde::Serialize;
 
 use super::{Line, LineError, VectorError, VectorLine};
-use crate::format::{ChannelKind, Codes, ColorFormat};
 use crate::limit::Limits;
 use crate::merger::write_mask;
 use crate::model::NumericModel;
@@ -43,6 +42,8 @@ pub struct Checked {
     pub texels: usize,
     /// Texels that differ.
     pub failed_texels: usize,
+    /// Texels whose result depends on the driver's history, and is one of the possible ones: neither match nor mismatch.
+    pub undecided_texels: usize,
 }
 
 /// The outcome of a file.
@@ -82,16 +83,22 @@ pub fn check_within(
     for_each_line(input, limits, |number, line| {
         supported(model, number, &line)?;
         let compared = line.compare(model, number);
-        let (texels, first) = compared.ok_or(VectorError::Line { line: number, source: LineError::NoOut })?;
-        let mine =
-            Checked { lines: 1, failed_lines: usize::from(texels > 0), texels: line.len(), failed_texels: texels };
+        let compared = compared.ok_or(VectorError::Line { line: number, source: LineError::NoOut })?;
+        let mine = Checked {
+            lines: 1,
+            failed_lines: usize::from(compared.different > 0),
+            texels: line.len(),
+            failed_texels: compared.different,
+            undecided_texels: compared.undecided,
+        };
         for counts in [&mut report.total, report.formats.entry(line.group()).or_default()] {
             counts.lines += mine.lines;
             counts.failed_lines += mine.failed_lines;
             counts.texels += mine.texels;
             counts.failed_texels += mine.failed_texels;
+            counts.undecided_texels += mine.undecided_texels;
         }
-        if let Some(first) = first {
+        if let Some(first) = compared.first {
             failed(&first);
         }
         Ok(())
@@ -138,15 +145,6 @@ pub fn fill(model: &dyn NumericModel, line: &mut VectorLine) {
         line.format.pack(codes, &mut out[i * each..]);
     }
     line.out = Some(out);
-}
-
-/// Whether two texels agree: bit for bit, but any NaN of a float channel equals any NaN.
-#[must_use]
-pub fn same_codes(format: ColorFormat, a: Codes, b: Codes) -> bool {
-    format.channels().into_iter().enumerate().all(|(i, kind)| match kind {
-        ChannelKind::Float(layout) => a[i] == b[i] || (layout.is_nan(a[i]) && layout.is_nan(b[i])),
-        _ => a[i] == b[i],
-    })
 }
 
 fn supported(model: &dyn NumericModel, number: usize, line: &Line) -> Result<(), VectorError> {

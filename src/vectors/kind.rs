@@ -3,11 +3,11 @@
 use serde::Deserialize;
 use wgpu_types::BlendState;
 
-use super::check::{Mismatch, same_codes};
+use super::check::Mismatch;
 use super::{DepthLine, LayersLine, LineError, VectorLine, describe};
 use crate::format::ColorFormat;
 use crate::merger::write_mask;
-use crate::model::{NumericModel, Unsupported};
+use crate::model::{Agreement, NumericModel, Unsupported, agreement, agreement_of_layers};
 
 /// The kinds of lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,6 +36,17 @@ pub enum Line {
 struct Peek {
     #[serde(default)]
     kind: Option<String>,
+}
+
+/// A line's result against a model's.
+#[derive(Debug, Default)]
+pub(super) struct Compared {
+    /// Texels that differ.
+    pub(super) different: usize,
+    /// Texels whose result depends on the driver's history.
+    pub(super) undecided: usize,
+    /// The first that differs.
+    pub(super) first: Option<Mismatch>,
 }
 
 impl Line {
@@ -130,13 +141,16 @@ impl Line {
         }
     }
 
-    /// How many texels differ from the model, and the first of them; `None` when the line has no result.
-    pub(super) fn compare(&self, model: &dyn NumericModel, number: usize) -> Option<(usize, Option<Mismatch>)> {
-        let mut texels = 0;
-        let mut first = None;
-        let mut differs = |mismatch: &dyn Fn() -> Mismatch| {
-            texels += 1;
-            first.get_or_insert_with(mismatch);
+    /// Holds the line's result against the model; `None` when the line has none.
+    pub(super) fn compare(&self, model: &dyn NumericModel, number: usize) -> Option<Compared> {
+        let mut compared = Compared::default();
+        let mut note = |agreement, mismatch: &dyn Fn() -> Mismatch| match agreement {
+            Agreement::Same => {}
+            Agreement::Undecided => compared.undecided += 1,
+            Agreement::Different => {
+                compared.different += 1;
+                compared.first.get_or_insert_with(mismatch);
+            }
         };
         let mismatch = |texel, state, inputs, expected, got| Mismatch {
             line: number,
@@ -152,16 +166,13 @@ impl Line {
             Self::Color(line) => {
                 let out = line.out.as_ref()?;
                 for i in 0..line.len() {
-                    let inputs = line.inputs(i);
-                    let expected = write_mask::select(line.mask, inputs.dst, model.merge_color(&inputs));
-                    let got = line.codes(out, i);
-                    if !same_codes(line.format, expected, got) {
+                    let (inputs, got) = (line.inputs(i), line.codes(out, i));
+                    note(agreement(model, &inputs, line.mask, got), &|| {
                         let state = describe::color_state(line.format, line.blend.as_ref(), line.mask);
+                        let expected = write_mask::select(line.mask, inputs.dst, model.merge_color(&inputs));
                         let codes = (describe::codes(expected), describe::codes(got));
-                        differs(&|| {
-                            mismatch(i, state.clone(), describe::inputs(&inputs), codes.0.clone(), codes.1.clone())
-                        });
-                    }
+                        mismatch(i, state, describe::inputs(&inputs), codes.0, codes.1)
+                    });
                 }
             }
             Self::Depth(line) => {
@@ -169,29 +180,28 @@ impl Line {
                 for i in 0..line.len() {
                     let (stored, passes) = line.run(model, i);
                     let passed = line.passed.as_ref().map_or(passes, |passed| passed[i]);
-                    if stored != out[i] || passes != passed {
-                        let result = |stored, passed| describe::depth_result(line.format, stored, passed);
-                        differs(&|| {
-                            let (state, inputs) = (describe::depth_state(line), describe::depth_inputs(line, i));
-                            mismatch(i, state, inputs, result(stored, passes), result(out[i], passed))
-                        });
-                    }
+                    let result = |stored, passed| describe::depth_result(line.format, stored, passed);
+                    note((stored == out[i] && passes == passed).into(), &|| {
+                        let (state, inputs) = (describe::depth_state(line), describe::depth_inputs(line, i));
+                        mismatch(i, state, inputs, result(stored, passes), result(out[i], passed))
+                    });
                 }
             }
             Self::Layers(line) => {
                 let out = line.out.as_ref()?;
                 for i in 0..line.len() {
-                    let (expected, got) = (line.run(model, i), line.codes(out, i));
-                    if !same_codes(line.format, expected, got) {
-                        differs(&|| {
-                            let (state, inputs) =
-                                (describe::layers_state(line), describe::layers_inputs(line, model, i));
-                            mismatch(i, state, inputs, describe::codes(expected), describe::codes(got))
-                        });
-                    }
+                    let got = line.codes(out, i);
+                    let draws = line.layers.iter().map(|draw| (|dst| draw.inputs(line.format, i, dst), draw.mask));
+                    let agreement = agreement_of_layers(model, line.format, draws, line.codes(&line.dst, i), got);
+                    note(agreement, &|| {
+                        let (state, inputs) = (describe::layers_state(line), describe::layers_inputs(line, model, i));
+                        mismatch(i, state, inputs, describe::codes(line.run(model, i)), describe::codes(got))
+                    });
                 }
             }
         }
-        Some((texels, first.map(|first| Mismatch { texels, ..first })))
+        let different = compared.different;
+        compared.first = compared.first.map(|first| Mismatch { texels: different, ..first });
+        Some(compared)
     }
 }

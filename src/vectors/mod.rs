@@ -30,7 +30,8 @@ mod kind;
 mod layers;
 mod line;
 
-pub use check::{Checked, Mismatch, Report, apply, apply_within, check, check_within, fill, same_codes};
+pub use crate::model::same_codes;
+pub use check::{Checked, Mismatch, Report, apply, apply_within, check, check_within, fill};
 pub use depth::DepthLine;
 pub use generate::{Generator, generate, generate_kind};
 pub use judge::{Judged, Judgements, Violation, judge};
