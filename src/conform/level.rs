@@ -104,6 +104,23 @@ pub enum Unit {
         /// Distance of neighbouring bit patterns; 1 is all of them.
         stride: u32,
     },
+    /// What `LoadOp::Clear` stores for colors, or for depths where the format is one of depth.
+    Clear {
+        /// The target's format.
+        format: TextureFormat,
+    },
+    /// Sample masks on a target with one sample.
+    SampleMask,
+    /// Triangles that leave the target, drawn into a single color target: clipping, coverage and interpolation.
+    Raster {
+        /// The target's format.
+        format: ColorFormat,
+    },
+    /// Biased depths of triangles.
+    DepthBias {
+        /// The depth format.
+        format: TextureFormat,
+    },
     /// Every 8-bit input a state on rgba8unorm depends on, up to one input beside source and destination.
     Codes {
         /// The source factor of the states.
@@ -149,6 +166,10 @@ impl Unit {
             }
             Self::Store { format, stride, rotation } => format!("store/{}/{stride}/{rotation}", format.name()),
             Self::Depth { format, stride } => format!("depth/{}/{stride}", depth_name(*format)),
+            Self::Clear { format } => format!("clear/{}", format_name(*format)),
+            Self::SampleMask => "sample-mask/r8unorm".to_owned(),
+            Self::Raster { format } => format!("raster/{}", format.name()),
+            Self::DepthBias { format } => format!("depth-bias/{}", depth_name(*format)),
             Self::Codes { src_factor } => format!("codes/rgba8unorm/{}", spelling::factor_name(*src_factor)),
             Self::CodesBothAlphas { component } => format!("codes-2^32/rgba8unorm/{}", component_name(component)),
         }
@@ -158,8 +179,10 @@ impl Unit {
     #[must_use]
     pub fn format_name(&self) -> &'static str {
         match self {
-            Self::Blend { format, .. } | Self::Store { format, .. } => format.name(),
-            Self::Depth { format, .. } => depth_name(*format),
+            Self::Blend { format, .. } | Self::Store { format, .. } | Self::Raster { format } => format.name(),
+            Self::Depth { format, .. } | Self::DepthBias { format } => depth_name(*format),
+            Self::Clear { format } => format_name(*format),
+            Self::SampleMask => "r8unorm",
             Self::Codes { .. } | Self::CodesBothAlphas { .. } => "rgba8unorm",
         }
     }
@@ -170,6 +193,11 @@ impl Unit {
 pub fn component_name(c: &BlendComponent) -> String {
     let (src, dst) = (spelling::factor_name(c.src_factor), spelling::factor_name(c.dst_factor));
     format!("{} {src} {dst}", spelling::operation_name(c.operation))
+}
+
+/// WebGPU's name of a color or depth format.
+fn format_name(format: TextureFormat) -> &'static str {
+    ColorFormat::new(format).map_or_else(|_| depth_name(format), ColorFormat::name)
 }
 
 /// WebGPU's name of a depth format.
@@ -184,6 +212,9 @@ fn depth_name(format: TextureFormat) -> &'static str {
 /// The depth formats swept.
 const DEPTHS: [TextureFormat; 3] =
     [TextureFormat::Depth16Unorm, TextureFormat::Depth24Plus, TextureFormat::Depth32Float];
+
+/// Formats of the raster units: those that some driver clips otherwise, and neighbours of each.
+const RASTERS: [&str; 5] = ["rgba8unorm", "bgra8unorm", "rgba8unorm-srgb", "r8unorm", "rgba16float"];
 
 /// Formats whose stores the exhaustive level sends every `f32` through; one for each kind of channel.
 const STORES: [&str; 9] = [
@@ -215,6 +246,14 @@ pub fn units(level: Level) -> Vec<Unit> {
     };
     let equal = |format: ColorFormat, texels: u32| equal_part(format, texels, 0);
     let blendable = |format: &ColorFormat| format.class() != TargetClass::Snorm;
+    // What is no blending costs little, and is the same at the quick and the full level.
+    let others = || {
+        let clears = formats.iter().map(|format| format.texture_format()).chain(DEPTHS);
+        let clears = clears.map(|format| Unit::Clear { format });
+        let rasters = RASTERS.iter().filter_map(named).map(|format| Unit::Raster { format });
+        let biases = DEPTHS.map(|format| Unit::DepthBias { format });
+        clears.chain([Unit::SampleMask]).chain(rasters).chain(biases)
+    };
     let mut units = Vec::new();
     match level {
         Level::Quick => {
@@ -224,6 +263,7 @@ pub fn units(level: Level) -> Vec<Unit> {
             }
             units.extend(equal(formats[2], 4096));
             units.extend(DEPTHS.map(|format| Unit::Depth { format, stride: 1021 }));
+            units.extend(others());
         }
         Level::Full => {
             for &format in &formats {
@@ -234,6 +274,7 @@ pub fn units(level: Level) -> Vec<Unit> {
             }
             units.extend(formats.iter().copied().filter(blendable).flat_map(|format| equal(format, 16_384)));
             units.extend(DEPTHS.map(|format| Unit::Depth { format, stride: 31 }));
+            units.extend(others());
         }
         Level::Exhaustive => {
             for format in STORES.iter().filter_map(named) {

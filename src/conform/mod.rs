@@ -5,19 +5,23 @@
 //! units are what shards divide, what a log resumes from, and what results are merged by.
 //!
 //! - [`level`]: which units a level has;
-//! - [`blend`], [`store`], [`depth`], [`codes`]: how each kind of unit is run;
+//! - [`blend`], [`store`], [`depth`], [`codes`], [`clear`], [`sample_mask`], `raster`: how each kind of unit is run;
 //! - [`run`](mod@run): a list of units on a device; [`log`]: finished units on disk; [`result`] and [`spec`]: what was found;
 //! - [`table`] and [`junit`]: the same for people and for CI; [`compare`]: of several devices.
 
 pub mod blend;
+pub mod clear;
 pub mod codes;
 pub mod compare;
 pub mod depth;
 pub mod junit;
 pub mod level;
 pub mod log;
+#[cfg(feature = "scene")]
+pub mod raster;
 pub mod result;
 pub mod run;
+pub mod sample_mask;
 pub mod spec;
 pub mod store;
 pub mod table;

@@ -6,9 +6,11 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
+#[cfg(feature = "scene")]
+use super::raster;
 use super::result::{ModelOutcome, UnitOutcome};
 use super::spec::Bench;
-use super::{Unit, blend, codes, depth, store};
+use super::{Unit, blend, clear, codes, depth, sample_mask, store};
 use crate::admissible::Judge;
 use crate::crosscheck::{Device, ReplayError};
 use crate::format::{Codes, ColorFormat};
@@ -78,6 +80,16 @@ impl<'a> Tally<'a> {
             models: vec![ModelOutcome::default(); panel.subjects.len()],
             benches: panel.judges.iter().map(Bench::new).collect(),
         }
+    }
+
+    /// Says of a model, once, why it was not compared in this unit.
+    pub(super) fn leave_out(&mut self, i: usize, reason: &str) {
+        self.models[i].not_run.get_or_insert_with(|| reason.to_owned());
+    }
+
+    /// Says of every specification why it was not asked in this unit.
+    pub(super) fn leave_out_specifications(&mut self, reason: &str) {
+        self.benches.iter_mut().for_each(|bench| bench.leave_out(reason));
     }
 
     /// Adds one state's comparison with model number `i`.
@@ -157,7 +169,7 @@ pub fn run(device: &Device, panel: &Panel, units: &[Unit], mut done: impl FnMut(
 }
 
 fn run_unit(device: &Device, panel: &Panel, unit: &Unit) -> Result<UnitOutcome, ReplayError> {
-    if let Unit::Blend { format, .. } | Unit::Store { format, .. } = unit
+    if let Unit::Blend { format, .. } | Unit::Store { format, .. } | Unit::Raster { format } = unit
         && !device.renders(format.texture_format())
     {
         return Ok(UnitOutcome::not_run(unit, format!("the adapter does not render to {}", format.name())));
@@ -177,6 +189,16 @@ fn run_unit(device: &Device, panel: &Panel, unit: &Unit) -> Result<UnitOutcome, 
             store::run(device, subjects, *format, *stride, *rotation, &mut tally)?;
         }
         Unit::Depth { format, stride } => depth::run(device, subjects, *format, *stride, &mut tally)?,
+        Unit::Clear { format } => clear::run(device, subjects, *format, &mut tally)?,
+        Unit::SampleMask => sample_mask::run(device, subjects, &mut tally)?,
+        #[cfg(feature = "scene")]
+        Unit::Raster { format } => raster::run(device, subjects, *format, &mut tally)?,
+        #[cfg(feature = "scene")]
+        Unit::DepthBias { format } => raster::run_bias(device, subjects, *format, &mut tally)?,
+        #[cfg(not(feature = "scene"))]
+        Unit::Raster { .. } | Unit::DepthBias { .. } => {
+            return Ok(UnitOutcome::not_run(unit, "this program was built without the feature `scene`"));
+        }
         Unit::Codes { src_factor } => codes::run(device, subjects, *src_factor, &mut tally)?,
         Unit::CodesBothAlphas { component } => codes::run_both_alphas(device, subjects, *component, &mut tally)?,
     }
