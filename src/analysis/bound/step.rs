@@ -5,6 +5,7 @@ use wgpu_types::TextureFormat;
 use super::{BoundError, STATE};
 use crate::format::{ChannelKind, ColorFormat, Rounding, snorm, srgb, unorm};
 use crate::model::fixed::FixedPoint;
+use crate::model::llvmpipe::LlvmpipeName;
 use crate::model::{ColorInputs, NumericModel};
 
 /// Operations of `f32` on a layer's way to the store, each off by at most 2^-24 of a value up to 1: decoding, 1 - A, two
@@ -62,7 +63,8 @@ struct Source {
 fn separable(format: ColorFormat, name: &str) -> Option<Source> {
     let ChannelKind::Unorm(bits) = format.channels()[0] else { return None };
     let eight = matches!(format.texture_format(), TextureFormat::Rgba8Unorm | TextureFormat::Bgra8Unorm);
-    if name == "llvmpipe" && eight {
+    // Every generation and width quantises a source in range alike; only the products differ, and those are tried.
+    if LlvmpipeName::parse(name).is_some() && eight {
         return Some(Source { bits: 8, rounding: Rounding::NearestEven });
     }
     let spec: FixedPoint = name.strip_prefix("fixed:")?.parse().ok()?;

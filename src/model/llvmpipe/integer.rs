@@ -284,7 +284,8 @@ mod tests {
     fn products_of_16_bits_near_a_tie_tell_generations_apart() {
         let [old, _, new] = Generation::ALL.map(|generation| Width::new(16, generation.rules()));
         let mut apart = 0;
-        for a in 1..=64 {
+        // They differ only where the product's top bit is set, just above a tie.
+        for a in old.one() - 32..=old.one() {
             for b in 0..=old.one() {
                 assert_eq!(new.multiply(a, b), nearest(new, a, b), "{a} {b}");
                 apart += u32::from(old.multiply(a, b) != new.multiply(a, b));

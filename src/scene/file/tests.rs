@@ -76,7 +76,7 @@ fn errors_name_file_line_and_field() {
             "width = 16",
             "width = 16\nrasteriser = \"mesa\"",
             6,
-            "`target.rasteriser`: unknown variant `mesa`, expected one of `reference`, `llvmpipe`, `llvmpipe-unfused`",
+            "`target.rasteriser`: unknown rasteriser `mesa`; use reference, llvmpipe",
         ),
         ("0.5]", "nan]", 11, "`material[0].tint`: NaN is not a finite number"),
         ("0.5]", "inf]", 11, "`material[0].tint`: inf is not a finite number"),
