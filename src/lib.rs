@@ -146,6 +146,9 @@ pub mod analysis;
 #[cfg(feature = "report")]
 pub mod report;
 
+#[cfg(any(feature = "cli", feature = "gpu"))]
+pub mod processor;
+
 #[cfg(feature = "gpu")]
 pub mod crosscheck;
 

@@ -307,7 +307,8 @@ mod models {
 
     #[test]
     fn every_model_lies_inside_the_set_it_claims() {
-        let names = ["exact", "exact:toward-zero", "f32", "f16", "fixed:8", "llvmpipe", "llvmpipe:mesa=22.3", "swiftshader"];
+        let names =
+            ["exact", "exact:toward-zero", "f32", "f16", "fixed:8", "llvmpipe", "llvmpipe:mesa=22.3", "swiftshader"];
         let mut failures = Vec::new();
         for name in names {
             let model = registry::by_name(name).expect("known");

@@ -5,6 +5,8 @@
 mod bound;
 #[cfg(feature = "gpu")]
 mod conform;
+#[cfg(target_arch = "x86_64")]
+mod estimate;
 mod explain;
 mod fixpoint;
 mod identify;
@@ -69,6 +71,9 @@ enum Command {
     /// Apply, check, judge or generate test vectors (JSON lines).
     #[command(subcommand)]
     Vectors(vectors::Vectors),
+    /// Write this processor's table of reciprocal square root estimates, which llvmpipe's sRGB bytes depend on.
+    #[cfg(target_arch = "x86_64")]
+    Estimate(estimate::EstimateCommand),
     /// List the numeric models.
     Models(list::Models),
     /// List the color formats.
@@ -128,6 +133,8 @@ fn run(command: Command) -> Result<Outcome, Failure> {
         Command::Texture(command) => command.run(),
         Command::Identify(command) => command.run(),
         Command::Vectors(command) => command.run(),
+        #[cfg(target_arch = "x86_64")]
+        Command::Estimate(command) => command.run(),
         Command::Models(command) => command.run(),
         Command::Formats(command) => command.run(),
         Command::Scenes(command) => command.run(),

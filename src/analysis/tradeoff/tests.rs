@@ -79,7 +79,10 @@ fn the_front_is_what_nothing_dominates() {
         [time("exact", 500.0), time("f32", 50.0), time("f16", 600.0), time("fixed:8", 40.0), time(&driver, 30.0)];
     let points = points(&rows, &times.concat());
     let on_front: Vec<&str> = points.iter().filter(|point| point.on_front).map(|point| point.model.as_str()).collect();
-    assert!(on_front.contains(&"exact") && on_front.contains(&driver.as_str()), "least error, least time: {on_front:?}");
+    assert!(
+        on_front.contains(&"exact") && on_front.contains(&driver.as_str()),
+        "least error, least time: {on_front:?}"
+    );
     assert!(!on_front.contains(&"f16"), "beaten in both: {on_front:?}");
     for a in points.iter().filter(|point| point.on_front) {
         let beaten = points.iter().any(|b| dominates((b.ns_that_runs(), b.mean), (a.ns_that_runs(), a.mean)));

@@ -199,7 +199,7 @@ fn part(x: f64) -> String {
 }
 
 /// Rows in columns; `right` says which are aligned right.
-fn table(rows: &[Vec<String>], right: impl Fn(usize) -> bool) -> String {
+pub(super) fn table(rows: &[Vec<String>], right: impl Fn(usize) -> bool) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let cell = |row: &Vec<String>, column: usize| row.get(column).map_or(0, |cell| cell.chars().count());
     let widths: Vec<usize> =

@@ -1,6 +1,7 @@
 //! `outmerge explain`: one blend, step by step, in one model or all, and why their codes differ; or one pixel's history.
 
 mod compare;
+mod drivers;
 mod history;
 mod layout;
 
@@ -13,7 +14,8 @@ use crate::format::{ChannelKind, Codes, ColorFormat};
 use crate::merger::write_mask;
 use crate::model::account::{Account, account};
 use crate::model::exact::Exact;
-use crate::model::{ColorInputs, Explanation, NumericModel, registry};
+use crate::model::registry::{self, Drivers};
+use crate::model::{ColorInputs, Explanation, NumericModel};
 use crate::state::shaderlab::Properties;
 use crate::state::text;
 
@@ -89,6 +91,8 @@ struct Answers {
     models: Vec<Answer>,
     /// Models that define no result here, with the reason.
     left_out: Vec<String>,
+    /// What llvmpipes of other generations, and of other processors, store.
+    drivers: Vec<drivers::Variant>,
 }
 
 impl Explain {
@@ -108,6 +112,7 @@ impl Explain {
                 text.push_str(&layout::answer(answer, &question));
             }
             text.push_str(&compare::tables(&answers, &question));
+            text.push_str(&drivers::text(&answers.drivers, &question));
             output::print(&text)?;
         }
         Ok(Outcome::Fine)
@@ -141,14 +146,23 @@ impl Explain {
             "all" => registry::all(),
             name => vec![registry::by_name(name)?],
         };
-        let mut answers =
-            Answers { exact: question.answer(&yardstick, &exact), models: Vec::new(), left_out: Vec::new() };
+        let mut answers = Answers {
+            exact: question.answer(&yardstick, &exact),
+            models: Vec::new(),
+            left_out: Vec::new(),
+            drivers: Vec::new(),
+        };
         for model in models.iter().filter(|model| model.name() != yardstick.name()) {
             match model.supports(question.inputs.format, question.inputs.blend.as_ref()) {
                 Ok(()) => answers.models.push(question.answer(model.as_ref(), &exact)),
                 Err(reason) if models.len() == 1 => return Err(reason.into()),
                 Err(reason) => answers.left_out.push(reason.to_string()),
             }
+        }
+        let drivers =
+            answers.models.iter().filter_map(|answer| registry::llvmpipe(&answer.model, Drivers::default()).ok()?);
+        if let Some(llvmpipe) = drivers.last() {
+            answers.drivers = drivers::variants(llvmpipe, question);
         }
         Ok(answers)
     }

@@ -8,6 +8,8 @@ use std::fmt;
 
 use wgpu_types::TextureFormat;
 
+use crate::format::{ChannelKind, ColorFormat, FloatLayout};
+
 /// Versions of Mesa whose llvmpipe stores the same bytes, by the first of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Generation {
@@ -119,6 +121,50 @@ pub enum BiasUnit {
     TwoCodes,
     /// One code, and half a code away from zero for all: (c + sign(c) / 2) / (2^n - 1).
     CodeAndHalf,
+}
+
+impl Rules {
+    /// What these rules do on a color format, in words: only those by which generations differ there.
+    #[must_use]
+    pub fn words(&self, format: ColorFormat) -> Vec<&'static str> {
+        let channels = format.channels();
+        let single = channels[1] == ChannelKind::Absent;
+        let mut words = Vec::new();
+        match channels[0] {
+            ChannelKind::Unorm(bits) => {
+                words.push(match (self.product, bits) {
+                    (Product::Nearest, _) => "products of codes are the nearest code",
+                    (Product::Near, 8) => "products of codes are near it: 24 of 65,536 are not the nearest code",
+                    (Product::Near, _) => {
+                        "products of 16-bit codes are near it: 5,006 of 2^32 are not the nearest code"
+                    }
+                });
+                if single {
+                    words.push(match self.interpolation {
+                        Interpolation::NearestEven => "f S + (1 - f) D is rounded to the nearest code, ties to even",
+                        Interpolation::Floor if bits == 8 => "f S + (1 - f) D is rounded to the nearest code, ties up",
+                        Interpolation::Floor => "f S + (1 - f) D is rounded down",
+                    });
+                }
+            }
+            ChannelKind::Float(layout) if layout != FloatLayout::SINGLE => {
+                words.push(match self.small_denormals {
+                    SmallDenormals::Flushed => "binary32 denormals are 0",
+                    SmallDenormals::Kept | SmallDenormals::KeptAlone => "binary32 denormals are kept",
+                });
+                if !layout.signed {
+                    words.push(match self.zero_factor {
+                        ZeroFactor::Dropped => "a term with factor zero is dropped",
+                        ZeroFactor::Undecided => {
+                            "a term with factor zero is dropped or multiplied (NaN), by the driver's history"
+                        }
+                    });
+                }
+            }
+            _ => {}
+        }
+        words
+    }
 }
 
 const OLDEST: Facts = Facts {
