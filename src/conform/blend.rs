@@ -76,7 +76,7 @@ pub(super) fn run(
 }
 
 /// Runs several states on one line's inputs.
-fn run_states(
+pub(super) fn run_states(
     device: &Device,
     subjects: &[Subject],
     line: &VectorLine,

@@ -30,15 +30,19 @@ pub(super) fn run(
     }
 }
 
+/// The colors that a format is cleared to, the same on every run.
+fn colors_of(format: ColorFormat) -> Vec<[f32; 4]> {
+    let mut random = Rng::with_seed(0xc1ea);
+    (0..COLORS).map(|_| format.channels().map(|kind| value(&mut random, kind))).collect()
+}
+
 fn colors(
     device: &Device,
     subjects: &[Subject],
     format: ColorFormat,
     tally: &mut Tally<'_>,
 ) -> Result<(), ReplayError> {
-    let mut random = Rng::with_seed(0xc1ea);
-    let channels = format.channels();
-    let colors: Vec<[f32; 4]> = (0..COLORS).map(|_| channels.map(|kind| value(&mut random, kind))).collect();
+    let colors = colors_of(format);
     let wide: Vec<[f64; 4]> = colors.iter().map(|color| color.map(f64::from)).collect();
     let stored = clear(device, format, &wide)?;
     tally.texels += stored.len() as u64;
@@ -120,4 +124,42 @@ fn value(random: &mut Rng, kind: ChannelKind) -> f32 {
     };
     let near = crate::model::binary32::narrow(middle);
     [near, near, near.next_down(), near.next_up()][random.usize(..4)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::format::layout::FORMATS;
+    use crate::model::NumericModel;
+    use crate::model::llvmpipe::{Generation, Llvmpipe};
+
+    /// Formats on which two generations clear some color of the sweep to different codes.
+    fn told_apart(a: Generation, b: Generation) -> Vec<&'static str> {
+        let [a, b] = [a, b].map(|generation| Llvmpipe { generation, ..Llvmpipe::default() });
+        let differ = |format: ColorFormat| {
+            let same =
+                |color: &[f32; 4]| same_codes(format, a.clear_color(format, *color), b.clear_color(format, *color));
+            !colors_of(format).iter().all(same)
+        };
+        let formats = FORMATS.iter().filter(|(_, format)| differ(ColorFormat::new(*format).expect("listed")));
+        formats.map(|(name, _)| *name).collect()
+    }
+
+    #[test]
+    fn the_sweep_tells_how_generations_round_clear_colors() {
+        let rounds = |kind: &ChannelKind| match *kind {
+            ChannelKind::Unorm(bits) => bits > 8,
+            ChannelKind::Snorm(_) => true,
+            ChannelKind::Float(layout) => !layout.signed,
+            ChannelKind::Absent | ChannelKind::Srgb => false,
+        };
+        let expected: Vec<&str> = FORMATS
+            .iter()
+            .filter(|(_, format)| ColorFormat::new(*format).expect("listed").channels().iter().any(rounds))
+            .map(|(name, _)| *name)
+            .collect();
+        let [old, middle, new] = Generation::ALL;
+        assert_eq!(told_apart(old, middle), expected);
+        assert_eq!(told_apart(middle, new), [""; 0], "no change since");
+    }
 }

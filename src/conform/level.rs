@@ -104,6 +104,11 @@ pub enum Unit {
         /// Distance of neighbouring bit patterns; 1 is all of them.
         stride: u32,
     },
+    /// States that tell versions, vector widths and processors of the modelled drivers apart.
+    Telling {
+        /// The target's format.
+        format: ColorFormat,
+    },
     /// What `LoadOp::Clear` stores for colors, or for depths where the format is one of depth.
     Clear {
         /// The target's format.
@@ -166,6 +171,7 @@ impl Unit {
             }
             Self::Store { format, stride, rotation } => format!("store/{}/{stride}/{rotation}", format.name()),
             Self::Depth { format, stride } => format!("depth/{}/{stride}", depth_name(*format)),
+            Self::Telling { format } => format!("telling/{}", format.name()),
             Self::Clear { format } => format!("clear/{}", format_name(*format)),
             Self::SampleMask => "sample-mask/r8unorm".to_owned(),
             Self::Raster { format } => format!("raster/{}", format.name()),
@@ -179,7 +185,10 @@ impl Unit {
     #[must_use]
     pub fn format_name(&self) -> &'static str {
         match self {
-            Self::Blend { format, .. } | Self::Store { format, .. } | Self::Raster { format } => format.name(),
+            Self::Blend { format, .. }
+            | Self::Store { format, .. }
+            | Self::Telling { format }
+            | Self::Raster { format } => format.name(),
             Self::Depth { format, .. } | Self::DepthBias { format } => depth_name(*format),
             Self::Clear { format } => format_name(*format),
             Self::SampleMask => "r8unorm",
@@ -246,13 +255,15 @@ pub fn units(level: Level) -> Vec<Unit> {
     };
     let equal = |format: ColorFormat, texels: u32| equal_part(format, texels, 0);
     let blendable = |format: &ColorFormat| format.class() != TargetClass::Snorm;
-    // What is no blending costs little, and is the same at the quick and the full level.
+    // Formats on which some two drivers differ. What is no blending costs little. Both are the same at the quick and the full level.
+    let telling = formats.iter().copied().filter(|format| !super::telling::pairs(*format).is_empty());
+    let telling = telling.map(|format| Unit::Telling { format });
     let others = || {
         let clears = formats.iter().map(|format| format.texture_format()).chain(DEPTHS);
         let clears = clears.map(|format| Unit::Clear { format });
         let rasters = RASTERS.iter().filter_map(named).map(|format| Unit::Raster { format });
         let biases = DEPTHS.map(|format| Unit::DepthBias { format });
-        clears.chain([Unit::SampleMask]).chain(rasters).chain(biases)
+        telling.chain(clears).chain([Unit::SampleMask]).chain(rasters).chain(biases)
     };
     let mut units = Vec::new();
     match level {

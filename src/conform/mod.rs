@@ -5,7 +5,7 @@
 //! units are what shards divide, what a log resumes from, and what results are merged by.
 //!
 //! - [`level`]: which units a level has;
-//! - [`blend`], [`store`], [`depth`], [`codes`], [`clear`], [`sample_mask`], `raster`: how each kind of unit is run;
+//! - [`blend`], [`telling`], [`store`], [`depth`], [`codes`], [`clear`], [`sample_mask`], `raster`: how each kind of unit is run;
 //! - [`run`](mod@run): a list of units on a device; [`log`]: finished units on disk; [`result`] and [`spec`]: what was found;
 //! - [`table`] and [`junit`]: the same for people and for CI; [`compare`]: of several devices.
 
@@ -25,6 +25,7 @@ pub mod sample_mask;
 pub mod spec;
 pub mod store;
 pub mod table;
+pub mod telling;
 
 pub use level::{Level, Shard, Unit};
 pub use result::{ModelOutcome, Results, UnitOutcome};

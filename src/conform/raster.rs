@@ -20,6 +20,9 @@ use crate::target::{ColorTarget, Extent};
 /// Why a model is left out.
 const NOT_MODELLED: &str = "only llvmpipe's rasteriser is modelled";
 
+/// The same triangles on every run.
+const SEED: u64 = 0x7a57;
+
 /// Batches of triangles, and triangles of each. `REACH` is how many times as far as the target's edges they go.
 const REACH: [f32; 4] = [1.0, 1.8, 3.0, 9.0];
 const TRIANGLES: usize = 40;
@@ -58,7 +61,7 @@ pub(super) fn run(
     tally: &mut Tally<'_>,
 ) -> Result<(), ReplayError> {
     tally.leave_out_specifications("rasterisation is not judged");
-    let mut random = Rng::with_seed(0x7a57);
+    let mut random = Rng::with_seed(SEED);
     for reach in REACH {
         let triangles = triangles(&mut random, reach);
         let state = RasterState::new(Extent::new(120, 70)?);
@@ -126,7 +129,7 @@ pub(super) fn run_bias(
 ) -> Result<(), ReplayError> {
     tally.leave_out_specifications("depth bias is not judged");
     let Some(kind) = DepthFormat::new(format).ok().and_then(DepthFormat::depth) else { return Ok(()) };
-    let mut random = Rng::with_seed(0xb1a5);
+    let mut random = Rng::with_seed(SEED);
     for (constant, slope_scale, clamp) in BIASES {
         let bias = DepthBiasState { constant, slope_scale, clamp };
         let state = RasterState { bias, ..RasterState::new(Extent::new(100, 60)?) };
@@ -170,4 +173,55 @@ fn depth_codes(model: &Llvmpipe, triangles: &[[SceneVertex; 3]], state: &RasterS
         }
     }
     codes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::llvmpipe::Generation;
+
+    fn model(generation: Generation) -> Llvmpipe {
+        Llvmpipe { generation, ..Llvmpipe::default() }
+    }
+
+    #[test]
+    fn the_sweep_sees_the_guard_band() {
+        let [old, middle, new] = Generation::ALL.map(model);
+        let state = RasterState::new(Extent::new(120, 70).expect("legal"));
+        let told_apart = |name: &str, a: &Llvmpipe, b: &Llvmpipe| {
+            let format = ColorFormat::from_name(name).expect("a format");
+            let mut random = Rng::with_seed(SEED);
+            REACH.into_iter().any(|reach| {
+                let triangles = triangles(&mut random, reach);
+                let bytes = |model| predicted(model, &triangles, &state, format).expect("memory").bytes().to_vec();
+                bytes(a) != bytes(b)
+            })
+        };
+        assert!(told_apart("rgba8unorm", &old, &middle), "22.3 has none");
+        for name in ["bgra8unorm", "rgba8unorm-srgb", "r8unorm"] {
+            assert!(!told_apart(name, &old, &middle), "{name}: alike");
+        }
+        assert!(!told_apart("rgba8unorm", &middle, &new), "no change since");
+    }
+
+    #[test]
+    fn the_sweep_sees_the_unit_of_the_bias() {
+        let [old, middle, new] = Generation::ALL.map(model);
+        let triangles = triangles(&mut Rng::with_seed(SEED), 1.5);
+        for (kind, changed) in [(DepthKind::Unorm(16), true), (DepthKind::Unorm(24), true), (DepthKind::Float32, false)]
+        {
+            let biases = |changes: bool, a: &Llvmpipe, b: &Llvmpipe| {
+                for (constant, slope_scale, clamp) in BIASES {
+                    let bias = DepthBiasState { constant, slope_scale, clamp };
+                    let state = RasterState { bias, ..RasterState::new(Extent::new(100, 60).expect("legal")) };
+                    let [a, b] = [a, b].map(|model| depth_codes(model, &triangles, &state, kind));
+                    // Where the clamp is reached the unit does not show.
+                    let shows = changes && constant != 0 && clamp == 0.0;
+                    assert!(clamp != 0.0 || (a != b) == shows, "{kind:?}, {bias:?}");
+                }
+            };
+            biases(false, &old, &middle);
+            biases(changed, &middle, &new);
+        }
+    }
 }

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::raster;
 use super::result::{ModelOutcome, UnitOutcome};
 use super::spec::Bench;
-use super::{Unit, blend, clear, codes, depth, sample_mask, store};
+use super::{Unit, blend, clear, codes, depth, sample_mask, store, telling};
 use crate::admissible::Judge;
 use crate::crosscheck::{Device, ReplayError};
 use crate::format::{Codes, ColorFormat};
@@ -169,7 +169,8 @@ pub fn run(device: &Device, panel: &Panel, units: &[Unit], mut done: impl FnMut(
 }
 
 fn run_unit(device: &Device, panel: &Panel, unit: &Unit) -> Result<UnitOutcome, ReplayError> {
-    if let Unit::Blend { format, .. } | Unit::Store { format, .. } | Unit::Raster { format } = unit
+    if let Unit::Blend { format, .. } | Unit::Store { format, .. } | Unit::Telling { format } | Unit::Raster { format } =
+        unit
         && !device.renders(format.texture_format())
     {
         return Ok(UnitOutcome::not_run(unit, format!("the adapter does not render to {}", format.name())));
@@ -189,6 +190,7 @@ fn run_unit(device: &Device, panel: &Panel, unit: &Unit) -> Result<UnitOutcome, 
             store::run(device, subjects, *format, *stride, *rotation, &mut tally)?;
         }
         Unit::Depth { format, stride } => depth::run(device, subjects, *format, *stride, &mut tally)?,
+        Unit::Telling { format } => telling::run(device, subjects, *format, &mut tally)?,
         Unit::Clear { format } => clear::run(device, subjects, *format, &mut tally)?,
         Unit::SampleMask => sample_mask::run(device, subjects, &mut tally)?,
         #[cfg(feature = "scene")]

@@ -36,3 +36,22 @@ pub(super) fn run(device: &Device, subjects: &[Subject], tally: &mut Tally<'_>) 
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::MASKS;
+    use crate::model::NumericModel;
+    use crate::model::llvmpipe::{Generation, Llvmpipe};
+    use wgpu_types::MultisampleState;
+
+    #[test]
+    fn the_sweep_tells_who_obeys_the_mask() {
+        let drawn = |generation| {
+            let model = Llvmpipe { generation, ..Llvmpipe::default() };
+            MASKS.map(|mask| model.sample_mask(&MultisampleState { mask, ..MultisampleState::default() }) & 1 == 1)
+        };
+        let [old, middle, new] = Generation::ALL.map(drawn);
+        assert_eq!(old, MASKS.map(|mask| mask != 0), "any mask but 0");
+        assert_eq!([middle, new], [MASKS.map(|mask| mask & 1 == 1); 2], "bit 0");
+    }
+}

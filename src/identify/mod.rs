@@ -8,17 +8,20 @@
 //! - [`question`]: inputs that look for trouble;
 //! - [`mod@candidates`]: the models and the family;
 //! - [`score`]: samples against candidates;
+//! - [`mod@telling`]: questions that two models answer differently, found by search;
 //! - [`mod@interrogate`]: the conversation.
 
 pub mod candidates;
 pub mod interrogate;
 pub mod question;
 pub mod score;
+pub mod telling;
 
 pub use candidates::{Candidate, candidates, family};
 pub use interrogate::{Interrogation, Options, interrogate, propose};
 pub use question::Questions;
 pub use score::{Fit, fit};
+pub use telling::telling;
 
 use crate::format::Codes;
 use crate::merger::write_mask;
