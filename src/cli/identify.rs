@@ -1,5 +1,6 @@
 //! `outmerge identify`: which numeric model stores these results?
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -9,8 +10,10 @@ use serde::Serialize;
 use wgpu_types::{BlendState, ColorWrites};
 
 use super::{Failure, Outcome, output};
+use crate::format::layout::FORMATS;
 use crate::format::{Codes, ColorFormat};
-use crate::identify::{Candidate, Fit, Interrogation, Options, Sample, candidates, fit, interrogate, propose};
+use crate::identify::examine::{Asked, asked};
+use crate::identify::{Blender, Candidate, Examination, Fit, Question, Sample, candidates, examine, fit, propose};
 use crate::model::{ColorInputs, NumericModel, registry};
 use crate::state::shaderlab::Properties;
 use crate::state::text;
@@ -28,10 +31,11 @@ pub(super) struct Identify {
     /// Ask this numeric model as if it were unknown, to see the search at work.
     #[arg(long, value_name = "MODEL")]
     of: Option<String>,
-    /// The format asked about, and that of CSV samples without a column `format`.
-    #[arg(long, short, default_value = "rgba8unorm")]
-    format: String,
-    /// Questions at most.
+    /// Ask about this format alone, instead of all; also that of CSV samples without a column `format` (rgba8unorm unless
+    /// given).
+    #[arg(long, short)]
+    format: Option<String>,
+    /// Questions of the search at most; who is left is then checked by a few hundred more on each format.
     #[arg(long, default_value_t = 4096, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     budget: u32,
     /// Seed of the questions.
@@ -55,6 +59,8 @@ struct Answer {
     subject: String,
     /// Samples compared.
     samples: usize,
+    /// What the verdict rests on: formats with their states, samples and clears.
+    rests_on: Vec<Asked>,
     /// Models that reproduce all of them.
     reproduced_by: Vec<String>,
     /// Whether more questions would not tell those apart.
@@ -70,7 +76,7 @@ const PROPOSED: usize = 64;
 
 impl Identify {
     pub(super) fn run(self) -> Result<Outcome, Failure> {
-        let format = ColorFormat::from_name(&self.format)?;
+        let format = ColorFormat::from_name(self.format.as_deref().unwrap_or("rgba8unorm"))?;
         let candidates = candidates();
         let (subject, found) = match (&self.input, &self.of) {
             (Some(path), _) => (path.display().to_string(), self.given(path, format, &candidates)?),
@@ -93,6 +99,7 @@ impl Identify {
         let answer = Answer {
             subject,
             samples: found.samples.len(),
+            rests_on: found.asked,
             reproduced_by: found.reproduced_by,
             settled: found.settled || next.is_empty(),
             fits: found.fits.into_iter().take(self.show.max(1)).collect(),
@@ -106,12 +113,14 @@ impl Identify {
         Ok(if answer.reproduced_by.is_empty() { Outcome::Finding } else { Outcome::Fine })
     }
 
-    fn options(&self, format: ColorFormat) -> Options {
-        Options { format, budget: self.budget as usize, seed: self.seed }
+    fn question(&self, first: ColorFormat) -> Question {
+        let all = || FORMATS.iter().filter_map(|(_, format)| ColorFormat::new(*format).ok()).collect();
+        let formats = if self.format.is_some() { vec![first] } else { all() };
+        Question { first, formats, budget: self.budget as usize, seed: self.seed }
     }
 
     /// Samples from a file.
-    fn given(&self, path: &Path, format: ColorFormat, candidates: &[Candidate]) -> Result<Interrogation, Failure> {
+    fn given(&self, path: &Path, format: ColorFormat, candidates: &[Candidate]) -> Result<Examination, Failure> {
         let mut input = BufReader::new(output::open(path)?);
         let named = |error: String| -> Failure { format!("{}: {error}", path.display()).into() };
         let is_json = first_byte(&mut input)? == Some(b'{');
@@ -122,7 +131,8 @@ impl Identify {
         let fits = fit(candidates, &samples);
         let reproduced_by =
             fits.iter().filter(|fit| fit.is_exact(samples.len())).map(|fit| fit.model.clone()).collect();
-        Ok(Interrogation { samples, reproduced_by, settled: false, fits })
+        let asked = asked(&samples, &BTreeMap::new());
+        Ok(Examination { samples, asked, reproduced_by, settled: false, fits })
     }
 
     fn ask_model(
@@ -130,53 +140,40 @@ impl Identify {
         model: &dyn NumericModel,
         format: ColorFormat,
         candidates: &[Candidate],
-    ) -> Result<Interrogation, Failure> {
-        let runs = |state: Option<&BlendState>| model.supports(format, state).is_ok();
-        let answer = |asked: &[ColorInputs]| Ok(asked.iter().map(|inputs| model.merge_color(inputs)).collect());
-        interrogate(candidates, self.options(format), runs, answer)
+    ) -> Result<Examination, Failure> {
+        examine(candidates, &self.question(format), &mut Unknown(model))
     }
 
     #[cfg(feature = "gpu")]
-    fn ask_adapter(&self, format: ColorFormat, candidates: &[Candidate]) -> Result<(String, Interrogation), Failure> {
-        use crate::crosscheck::{Device, OpenOptions, adapter, vector};
+    fn ask_adapter(&self, format: ColorFormat, candidates: &[Candidate]) -> Result<(String, Examination), Failure> {
+        use crate::crosscheck::{Device, OpenOptions, adapter};
         adapter::reexec_without_shader_cache()?;
         let device = Device::open(&OpenOptions { adapter: self.adapter.clone(), ..OpenOptions::default() })?;
         if !device.renders(format.texture_format()) {
             return Err(format!("{}: does not render to {}", device.report(), format.name()).into());
         }
-        let runs = |state: Option<&BlendState>| state.is_none() || device.blends(format);
-        let found = interrogate(candidates, self.options(format), runs, |asked| -> Result<Vec<Codes>, Failure> {
-            // A line a state: lines come in the order of their first question.
-            let mut answers = vec![[0; 4]; asked.len()];
-            for mut line in lines(asked) {
-                let places: Vec<usize> = (0..asked.len()).filter(|i| belongs(&asked[*i], &line)).collect();
-                let mut recorded = Line::Color(line.clone());
-                vector::record(&device, &mut recorded)?;
-                let Line::Color(recorded) = recorded else { continue };
-                line.out = recorded.out;
-                for (place, sample) in places.into_iter().zip(Sample::from_line(&line).unwrap_or_default()) {
-                    answers[place] = sample.got;
-                }
-            }
-            Ok(answers)
-        })?;
+        if let Some(warning) = device.report().warning() {
+            output::complain(&warning);
+        }
+        let found = examine(candidates, &self.question(format), &mut Adapter(&device))?;
         Ok((device.report().to_string(), found))
     }
 
     #[cfg(not(feature = "gpu"))]
-    fn ask_adapter(&self, _: ColorFormat, _: &[Candidate]) -> Result<(String, Interrogation), Failure> {
+    fn ask_adapter(&self, _: ColorFormat, _: &[Candidate]) -> Result<(String, Examination), Failure> {
         Err("this program was built without the feature `gpu`; build with --all-features to ask an adapter".into())
     }
 
     fn text(&self, answer: &Answer) -> String {
         let mut text = format!("{}: {} samples\n", answer.subject, answer.samples);
+        text.push_str(&basis(&answer.rests_on));
         match answer.reproduced_by.as_slice() {
             [] => text.push_str("none: no candidate reproduces every sample\n"),
             [one] => {
-                let _ = writeln!(text, "{one} reproduces every sample, and no other candidate does");
+                let _ = writeln!(text, "{one} reproduces every sample asked, and no other candidate does");
             }
             several => {
-                let _ = writeln!(text, "{} candidates reproduce every sample:", several.len());
+                let _ = writeln!(text, "{} candidates reproduce every sample asked:", several.len());
                 for name in several.iter().take(self.show.max(1)) {
                     let _ = writeln!(text, "  {name}");
                 }
@@ -184,7 +181,7 @@ impl Identify {
                     let _ = writeln!(text, "  ... and {} more", several.len() - self.show.max(1));
                 }
                 text.push_str(if answer.settled {
-                    "no question found tells them apart on this format\n"
+                    "no question found tells them apart on these formats\n"
                 } else {
                     "more samples would tell them apart: see --next\n"
                 });
@@ -201,6 +198,85 @@ impl Identify {
             let _ = writeln!(text, "{} questions for the next round are in {}", answer.proposed, path.display());
         }
         text
+    }
+}
+
+/// What a verdict rests on, and what it says nothing of.
+fn basis(asked: &[Asked]) -> String {
+    let mut text = String::new();
+    for asked in asked {
+        let clears = if asked.clears > 0 { format!(", {} clears", asked.clears) } else { String::new() };
+        let states = asked.states.len();
+        let plural = if states == 1 { "" } else { "s" };
+        let _ = writeln!(text, "  {:16} {:6} samples of {states} state{plural}{clears}", asked.format, asked.samples);
+    }
+    if !text.is_empty() {
+        text.push_str(
+            "  not asked: other states and numbers, depth and stencil, several samples; --json names the states\n",
+        );
+    }
+    text
+}
+
+/// A numeric model asked as if it were unknown.
+struct Unknown<'a>(&'a dyn NumericModel);
+
+impl Blender for Unknown<'_> {
+    type Error = Failure;
+
+    fn renders(&self, format: ColorFormat) -> bool {
+        self.0.supports(format, None).is_ok()
+    }
+
+    fn runs(&self, format: ColorFormat, blend: Option<&BlendState>) -> bool {
+        self.0.supports(format, blend).is_ok()
+    }
+
+    fn merge(&mut self, asked: &[ColorInputs]) -> Result<Vec<Codes>, Failure> {
+        Ok(asked.iter().map(|inputs| self.0.merge_color(inputs)).collect())
+    }
+
+    fn clear(&mut self, format: ColorFormat, colors: &[[f32; 4]]) -> Result<Option<Vec<Codes>>, Failure> {
+        Ok(Some(colors.iter().map(|color| self.0.clear_color(format, *color)).collect()))
+    }
+}
+
+/// A device.
+#[cfg(feature = "gpu")]
+struct Adapter<'a>(&'a crate::crosscheck::Device);
+
+#[cfg(feature = "gpu")]
+impl Blender for Adapter<'_> {
+    type Error = Failure;
+
+    fn renders(&self, format: ColorFormat) -> bool {
+        self.0.renders(format.texture_format())
+    }
+
+    fn runs(&self, format: ColorFormat, blend: Option<&BlendState>) -> bool {
+        blend.is_none() || self.0.blends(format)
+    }
+
+    fn merge(&mut self, asked: &[ColorInputs]) -> Result<Vec<Codes>, Failure> {
+        use crate::crosscheck::vector;
+        // A line a state: lines come in the order of their first question.
+        let mut answers = vec![[0; 4]; asked.len()];
+        for mut line in lines(asked) {
+            let places: Vec<usize> = (0..asked.len()).filter(|i| belongs(&asked[*i], &line)).collect();
+            let mut recorded = Line::Color(line.clone());
+            vector::record(self.0, &mut recorded)?;
+            let Line::Color(recorded) = recorded else { continue };
+            line.out = recorded.out;
+            for (place, sample) in places.into_iter().zip(Sample::from_line(&line).unwrap_or_default()) {
+                answers[place] = sample.got;
+            }
+        }
+        Ok(answers)
+    }
+
+    fn clear(&mut self, format: ColorFormat, colors: &[[f32; 4]]) -> Result<Option<Vec<Codes>>, Failure> {
+        let wide: Vec<[f64; 4]> = colors.iter().map(|color| color.map(f64::from)).collect();
+        Ok(Some(crate::crosscheck::clear::clear(self.0, format, &wide)?))
     }
 }
 

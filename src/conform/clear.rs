@@ -7,8 +7,12 @@ use super::run::{Compared, Subject, Tally, compare};
 use crate::crosscheck::clear::{clear, clear_depth};
 use crate::crosscheck::{Device, ReplayError};
 use crate::format::depth::DepthKind;
-use crate::format::{ChannelKind, ColorFormat, DepthFormat, snorm, unorm};
+use crate::format::{ChannelKind, ColorFormat, DepthFormat};
+use crate::identify::clears::{colors, number};
 use crate::model::same_codes;
+
+/// The same colors on every run.
+const SEED: u64 = 0xc1ea;
 
 /// Colors of a unit.
 const COLORS: usize = 4096;
@@ -25,24 +29,18 @@ pub(super) fn run(
 ) -> Result<(), ReplayError> {
     tally.leave_out_specifications("clears are not judged");
     match ColorFormat::new(format) {
-        Ok(format) => colors(device, subjects, format, tally),
+        Ok(format) => run_colors(device, subjects, format, tally),
         Err(_) => depths(device, subjects, format, tally),
     }
 }
 
-/// The colors that a format is cleared to, the same on every run.
-fn colors_of(format: ColorFormat) -> Vec<[f32; 4]> {
-    let mut random = Rng::with_seed(0xc1ea);
-    (0..COLORS).map(|_| format.channels().map(|kind| value(&mut random, kind))).collect()
-}
-
-fn colors(
+fn run_colors(
     device: &Device,
     subjects: &[Subject],
     format: ColorFormat,
     tally: &mut Tally<'_>,
 ) -> Result<(), ReplayError> {
-    let colors = colors_of(format);
+    let colors = colors(format, COLORS, SEED);
     let wide: Vec<[f64; 4]> = colors.iter().map(|color| color.map(f64::from)).collect();
     let stored = clear(device, format, &wide)?;
     tally.texels += stored.len() as u64;
@@ -73,7 +71,7 @@ fn depths(
         DepthKind::Unorm(bits) => ChannelKind::Unorm(bits),
         DepthKind::Float32 => ChannelKind::Unorm(24),
     };
-    let values: Vec<f32> = std::iter::repeat_with(|| value(&mut random, channel))
+    let values: Vec<f32> = std::iter::repeat_with(|| number(&mut random, channel))
         .filter(|z| (0.0..=1.0).contains(z))
         .take(DEPTHS)
         .collect();
@@ -92,40 +90,6 @@ fn depths(
     Ok(())
 }
 
-/// A number worth clearing a channel to: the middle between two codes or a neighbour of it, a code, a special value, or any.
-fn value(random: &mut Rng, kind: ChannelKind) -> f32 {
-    // No signalling NaN: wgpu takes colors in binary64, and narrowing makes them quiet.
-    const SPECIAL: [f32; 12] =
-        [f32::NAN, -f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -0.0, 1e-45, 1e-40, 2.0, -2.0, 65_519.9, 65_520.0, 1e9];
-    match random.u8(..16) {
-        0 => return SPECIAL[random.usize(..SPECIAL.len())],
-        1 => return random.f32() * 4.0 - 2.0,
-        2 => return Some(f32::from_bits(random.u32(..))).filter(|x| !x.is_nan()).unwrap_or(0.0),
-        _ => {}
-    }
-    let halves = f64::from(random.u8(..4).min(1));
-    let middle = match kind {
-        ChannelKind::Absent => 0.5,
-        ChannelKind::Srgb => random.f64(),
-        ChannelKind::Unorm(bits) => {
-            let steps = unorm::steps(bits);
-            (f64::from(random.u32(..steps)) + halves / 2.0) / f64::from(steps)
-        }
-        ChannelKind::Snorm(bits) => {
-            let steps = snorm::steps(bits);
-            (f64::from(random.i32(-steps..steps)) + halves / 2.0) / f64::from(steps)
-        }
-        ChannelKind::Float(layout) => {
-            // Half of them denormal, where there is more to get wrong.
-            let top = if random.bool() { 2 << layout.mantissa_bits.min(20) } else { layout.infinity() - 1 };
-            let code = random.u32(..top);
-            layout.decode(code) + halves * (layout.decode(code + 1) - layout.decode(code)) / 2.0
-        }
-    };
-    let near = crate::model::binary32::narrow(middle);
-    [near, near, near.next_down(), near.next_up()][random.usize(..4)]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -139,7 +103,7 @@ mod tests {
         let differ = |format: ColorFormat| {
             let same =
                 |color: &[f32; 4]| same_codes(format, a.clear_color(format, *color), b.clear_color(format, *color));
-            !colors_of(format).iter().all(same)
+            !colors(format, COLORS, SEED).iter().all(same)
         };
         let formats = FORMATS.iter().filter(|(_, format)| differ(ColorFormat::new(*format).expect("listed")));
         formats.map(|(name, _)| *name).collect()

@@ -3,6 +3,7 @@
 use crate::format::Rounding;
 use crate::model::NumericModel;
 use crate::model::fixed::{FixedPoint, ProductRounding};
+use crate::model::llvmpipe::{Estimate, Llvmpipe};
 use crate::model::registry;
 
 /// A model under suspicion.
@@ -61,15 +62,29 @@ pub fn family() -> impl Iterator<Item = FixedPoint> {
     })
 }
 
+/// Every llvmpipe: all generations and widths with every recorded processor, and with this machine's where it is none of
+/// those.
+fn llvmpipes() -> impl Iterator<Item = Llvmpipe> {
+    let unknown = Estimate::host().filter(|host| Estimate::RECORDED.iter().all(|known| known.table() != host.table()));
+    let first = Estimate::RECORDED[0];
+    let here = unknown.into_iter().flat_map(move |estimate| {
+        let each = registry::every_llvmpipe().filter(move |model| model.estimate == first);
+        each.map(move |model| Llvmpipe { estimate, ..model })
+    });
+    registry::every_llvmpipe().chain(here)
+}
+
 /// Every candidate: the named models, then the family.
 ///
 /// # Panics
 /// Never: the names are those of the registry.
 #[must_use]
 pub fn candidates() -> Vec<Candidate> {
-    let named = registry::NAMES.iter().chain(&["exact:toward-zero"]).filter(|name| !name.starts_with("fixed"));
-    let named = named.map(|name| Candidate::Named(registry::by_name(name).expect("a name of the registry")));
-    named.chain(family().map(Candidate::Fixed)).collect()
+    let apart = |name: &&&str| !name.starts_with("fixed") && !name.starts_with("llvmpipe");
+    let plain = registry::NAMES.iter().chain(&["exact:toward-zero"]).filter(apart);
+    let plain = plain.map(|name| Candidate::Named(registry::by_name(name).expect("a name of the registry")));
+    let llvmpipes = llvmpipes().map(|model| Candidate::Named(Box::new(model)));
+    plain.chain(llvmpipes).chain(family().map(Candidate::Fixed)).collect()
 }
 
 #[cfg(test)]

@@ -1,32 +1,38 @@
 //! Which numeric model is this? From samples of an unknown blender to the models that reproduce it.
 //!
 //! [`fit()`] ranks every candidate on given samples; [`interrogate()`] chooses the samples itself, each batch the one that
-//! tells the remaining candidates apart best. Candidates are the [named models](crate::model::registry::NAMES) and a
-//! [`family`] of fixed-point blenders. A blender that none of them reproduces is called that, with the best fits and
-//! their mismatch rates.
+//! tells the remaining candidates apart best, and [`examine()`] holds those that are left against many more states and all
+//! formats. Candidates are the named models, every generation of the modelled drivers among them, and a [`family`] of
+//! fixed-point blenders. A blender that none of them reproduces is called that, with the best fits and their mismatch rates.
+//!
+//! A verdict claims no more than was asked: it names the formats, states and numbers that it rests on.
 //!
 //! - [`question`]: inputs that look for trouble;
 //! - [`mod@candidates`]: the models and the family;
+//! - [`clears`]: colors to clear to;
 //! - [`score`]: samples against candidates;
 //! - [`mod@telling`]: questions that two models answer differently, found by search;
-//! - [`mod@interrogate`]: the conversation.
+//! - [`mod@interrogate`]: the conversation on one format;
+//! - [`mod@examine`]: the conversation on all of them, and what the verdict rests on.
 
 pub mod candidates;
+pub mod clears;
+pub mod examine;
 pub mod interrogate;
 pub mod question;
 pub mod score;
 pub mod telling;
 
 pub use candidates::{Candidate, candidates, family};
+pub use examine::{Blender, Examination, Question, examine};
 pub use interrogate::{Interrogation, Options, interrogate, propose};
 pub use question::Questions;
 pub use score::{Fit, fit};
 pub use telling::telling;
 
 use crate::format::Codes;
-use crate::merger::write_mask;
-use crate::model::{ColorInputs, NumericModel};
-use crate::vectors::{VectorLine, same_codes};
+use crate::model::{Agreement, ColorInputs, NumericModel, agreement};
+use crate::vectors::VectorLine;
 use wgpu_types::ColorWrites;
 
 /// What a blender stored for one texel.
@@ -41,11 +47,16 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// Whether a model stores the same; any NaN equals any NaN.
+    /// How the sample relates to what a model stores; any NaN equals any NaN.
     #[must_use]
-    pub fn is_reproduced_by(&self, model: &dyn NumericModel) -> bool {
-        let expected = write_mask::select(self.mask, self.inputs.dst, model.merge_color(&self.inputs));
-        same_codes(self.inputs.format, expected, self.got)
+    pub fn agreement(&self, model: &dyn NumericModel) -> Agreement {
+        agreement(model, &self.inputs, self.mask, self.got)
+    }
+
+    /// Whether a model may have stored this.
+    #[must_use]
+    pub fn is_possible_for(&self, model: &dyn NumericModel) -> bool {
+        self.agreement(model) != Agreement::Different
     }
 
     /// The texels of a vector line with results; `None` where it has none.

@@ -1,6 +1,7 @@
 //! Samples against candidates.
 
 use super::{Candidate, Sample};
+use crate::model::Agreement;
 
 /// How well a model reproduces samples.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
@@ -11,13 +12,15 @@ pub struct Fit {
     pub samples: usize,
     /// Samples it stores something else for.
     pub mismatches: usize,
+    /// Samples whose result depends on the driver's history by this model, and is a possible one: neither match nor mismatch.
+    pub undecided: usize,
 }
 
 impl Fit {
     /// Whether every sample was compared and reproduced.
     #[must_use]
     pub fn is_exact(&self, samples: usize) -> bool {
-        self.mismatches == 0 && self.samples == samples && samples > 0
+        self.mismatches == 0 && self.samples == samples && samples > self.undecided
     }
 
     /// Mismatches in parts of one; 1 where nothing could be compared.
@@ -44,30 +47,33 @@ pub fn fit(candidates: &[Candidate], samples: &[Sample]) -> Vec<Fit> {
     let compare = |candidate: &Candidate, samples: &[Sample]| {
         let model = candidate.model();
         let known = |sample: &&Sample| model.supports(sample.inputs.format, sample.inputs.blend.as_ref()).is_ok();
-        let (mut compared, mut mismatches) = (0, 0);
+        let (mut compared, mut mismatches, mut undecided) = (0, 0, 0);
         for sample in samples.iter().filter(known) {
             compared += 1;
-            mismatches += usize::from(!sample.is_reproduced_by(model));
+            let agreement = sample.agreement(model);
+            mismatches += usize::from(agreement == Agreement::Different);
+            undecided += usize::from(agreement == Agreement::Undecided);
         }
-        (compared, mismatches)
+        (compared, mismatches, undecided)
     };
     let mut rest: Vec<usize> = (0..candidates.len()).collect();
     for (count, kept) in STEPS.into_iter().filter(|(count, _)| *count < mixed.len()) {
         let scored = each(&rest, |i| compare(&candidates[*i], &mixed[..count]));
         let named = |i: usize| matches!(candidates[i], Candidate::Named(_));
-        let mut order: Vec<(usize, (usize, usize))> = rest.iter().copied().zip(scored).collect();
-        order.sort_by_key(|(i, (compared, mismatches))| (!named(*i), *mismatches + count - *compared));
-        let stays = |(place, (i, (compared, mismatches))): (usize, &(usize, (usize, usize)))| {
+        let mut order: Vec<(usize, (usize, usize, usize))> = rest.iter().copied().zip(scored).collect();
+        order.sort_by_key(|(i, (compared, mismatches, _))| (!named(*i), *mismatches + count - *compared));
+        let stays = |(place, (i, (compared, mismatches, _))): (usize, &(usize, (usize, usize, usize)))| {
             (place < kept || named(*i) || (*mismatches == 0 && *compared == count)).then_some(*i)
         };
         rest = order.iter().enumerate().filter_map(stays).collect();
         rest.sort_unstable();
     }
     let scored = each(&rest, |i| compare(&candidates[*i], &mixed));
-    let fit = |(i, (samples, mismatches)): (&usize, (usize, usize))| Fit {
+    let fit = |(i, (samples, mismatches, undecided)): (&usize, (usize, usize, usize))| Fit {
         model: candidates[*i].name(),
         samples,
         mismatches,
+        undecided,
     };
     let mut fits: Vec<Fit> = rest.iter().zip(scored).map(fit).collect();
     // Stable, so equals stay in order; a model that covers fewer samples is no better fit.
@@ -81,7 +87,7 @@ pub(super) fn survivors(candidates: &[Candidate], rest: &[usize], samples: &[Sam
     let survives = |i: &usize| {
         let model = candidates[*i].model();
         mixed.iter().all(|sample| {
-            model.supports(sample.inputs.format, sample.inputs.blend.as_ref()).is_ok() && sample.is_reproduced_by(model)
+            model.supports(sample.inputs.format, sample.inputs.blend.as_ref()).is_ok() && sample.is_possible_for(model)
         })
     };
     let kept = each(rest, survives);

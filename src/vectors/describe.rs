@@ -14,7 +14,9 @@ pub(super) fn color_state(format: ColorFormat, blend: Option<&BlendState>, mask:
     format!("{} {}, mask {}", format.name(), equations(blend), mask.bits())
 }
 
-fn equations(blend: Option<&BlendState>) -> String {
+/// A blend state in words.
+#[must_use]
+pub fn equations(blend: Option<&BlendState>) -> String {
     let equation = |c: &wgpu_types::BlendComponent| {
         let (src, dst) = (spelling::factor_name(c.src_factor), spelling::factor_name(c.dst_factor));
         format!("{} {src} {dst}", spelling::operation_name(c.operation))

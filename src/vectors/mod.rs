@@ -33,6 +33,7 @@ mod line;
 pub use crate::model::same_codes;
 pub use check::{Checked, Mismatch, Report, apply, apply_within, check, check_within, fill};
 pub use depth::DepthLine;
+pub use describe::equations as describe_state;
 pub use generate::{Generator, generate, generate_kind};
 pub use judge::{Judged, Judgements, Violation, judge};
 pub use kind::{Kind, Line};
