@@ -88,7 +88,7 @@ fn roots(estimate: Estimate) -> &'static Roots {
 fn table_of(estimate: Option<Estimate>) -> Roots {
     let table = estimate.unwrap_or_default().table();
     // The table begins at 1, whose biased exponent is odd; an index's first bit is the exponent's last.
-    std::array::from_fn(|i| u32::from(table[i ^ STEPS / 2]) << 11)
+    std::array::from_fn(|i| u32::from(table[i ^ (STEPS / 2)]) << 11)
 }
 
 /// The bits of the first binary32 number above a threshold, which is none itself.

@@ -210,7 +210,11 @@ fn a_model_that_does_not_fit_fails_when_it_was_named() {
     let output = conform().args(adapter()).args(unit).arg("--json").output().expect("runs");
     assert_eq!(output.status.code(), Some(0), "a survey");
     let results: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    let mismatches = |model: &str| results["units"][0]["models"][model]["mismatches"].as_u64();
+    let models = results["units"][0]["models"].as_object().expect("by model");
+    let mismatches = |model: &str| {
+        let (_, outcome) = models.iter().find(|(name, _)| name.starts_with(model))?;
+        outcome["mismatches"].as_u64()
+    };
     assert_eq!(mismatches("llvmpipe"), Some(0), "the model of this device");
     assert!(mismatches("exact") > Some(0), "another model");
     assert_eq!(results["version"], 1, "the schema's version");
@@ -244,16 +248,26 @@ fn the_driver_is_identified_from_its_own_answers() {
     if !has_llvmpipe("the_driver_is_identified_from_its_own_answers") {
         return;
     }
-    for format in ["rgba8unorm", "rgba16float"] {
-        let mut command = Command::cargo_bin("outmerge").expect("the program");
-        command.args(["identify", "--format", format, "--adapter", "llvmpipe", "--json"]);
-        let output = command.output().expect("runs");
-        let found: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-        assert_eq!(output.status.code(), Some(0), "{format}: {found}");
-        assert_eq!(found["reproduced_by"][0], "llvmpipe", "{format}: {found}");
-        assert_eq!(found["settled"], true, "{format}: {found}");
-        assert!(found["samples"].as_u64() <= Some(4096), "{format}: {found}");
-    }
+    let mut command = Command::cargo_bin("outmerge").expect("the program");
+    let output = command.args(["identify", "--adapter", "llvmpipe", "--json"]).output().expect("runs");
+    let found: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(output.status.code(), Some(0), "{found}");
+    let names = found["reproduced_by"].as_array().expect("names");
+    assert!(names.len() == 1 && names[0].as_str().is_some_and(|name| name.starts_with("llvmpipe:mesa=")), "{names:?}");
+    assert_eq!(found["settled"], true, "{names:?}");
+    let formats = found["rests_on"].as_array().expect("formats");
+    assert!(formats.len() > 20, "every format the driver renders to: {formats:?}");
+    // On one format fewer drivers may be told apart, and the answer says what it rests on.
+    let mut command = Command::cargo_bin("outmerge").expect("the program");
+    let one = ["identify", "--format", "rgba16float", "--adapter", "llvmpipe", "--json"];
+    let output = command.args(one).output().expect("runs");
+    let found: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let formats = found["rests_on"].as_array().expect("formats");
+    assert_eq!(formats.len(), 1, "{formats:?}");
+    assert!(
+        found["reproduced_by"].as_array().is_some_and(|names| names.len() > 1),
+        "widths and processors do not show"
+    );
 }
 
 #[test]

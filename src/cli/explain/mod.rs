@@ -159,9 +159,9 @@ impl Explain {
                 Err(reason) => answers.left_out.push(reason.to_string()),
             }
         }
-        let drivers =
+        let mut drivers =
             answers.models.iter().filter_map(|answer| registry::llvmpipe(&answer.model, Drivers::default()).ok()?);
-        if let Some(llvmpipe) = drivers.last() {
+        if let Some(llvmpipe) = drivers.next_back() {
             answers.drivers = drivers::variants(llvmpipe, question);
         }
         Ok(answers)

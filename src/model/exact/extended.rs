@@ -11,6 +11,10 @@
 //! only if it is a single root in the threshold's class. Two integers x, y of that size share a class only if their
 //! ratio is a fifth power, at most 5^5 / 3^5 between odd numbers, which `no_code_shares_a_class_with_a_threshold` rules
 //! out by trying them all; products d * d are tried there too.
+//!
+//! Toward zero the thresholds are the codes themselves, and a blend that keeps a code meets one. Its enclosure is then the
+//! threshold's own, for products with 1 and sums with 0 keep both ends. Where numbers cancel, as in S (1 - D) + D with S = 1,
+//! an enclosure that the finest precision cannot tell from a threshold is that threshold.
 
 use std::cell::Cell;
 use std::cmp::Ordering;
@@ -34,6 +38,9 @@ pub enum Value {
     /// A finite number, enclosed; the flag is the sign of an exact zero.
     Finite(Enclosure, bool),
 }
+
+/// Bits of the finest enclosure that is tried.
+pub(super) const FINEST: u32 = 16384;
 
 /// Extended real arithmetic with enclosures of a given precision.
 #[derive(Debug)]
@@ -293,6 +300,10 @@ impl Extended {
                     Rounding::NearestEven => middle % 2 == 1,
                     Rounding::NearestAway | Rounding::TowardZero => true,
                 }
+            } else if self.rounding == Rounding::TowardZero
+                && ((&x.lo, &x.hi) == (&at.lo, &at.hi) || self.bits >= FINEST)
+            {
+                true
             } else {
                 self.in_doubt.set(true);
                 false

@@ -18,7 +18,7 @@ use bounded::Bounded;
 use extended::Extended;
 
 /// Bits of the first and the finest enclosure tried. Decisions that are not ties need far fewer than the finest.
-const PRECISIONS: [u32; 6] = [128, 256, 512, 1024, 4096, 16384];
+const PRECISIONS: [u32; 6] = [128, 256, 512, 1024, 4096, extended::FINEST];
 
 /// The `exact` model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -99,5 +99,32 @@ impl NumericModel for Exact {
 
     fn depth_code(&self, kind: DepthKind, z: f32, range: [f32; 2]) -> u32 {
         kind.encode(z, range)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wgpu_types::{BlendComponent, BlendFactor, BlendOperation};
+
+    /// Toward zero an sRGB code lies on the boundary of its own interval, which no enclosure can tell from it.
+    #[test]
+    fn toward_zero_keeps_the_srgb_codes_that_a_blend_keeps() {
+        let keep = BlendComponent {
+            src_factor: BlendFactor::Zero,
+            dst_factor: BlendFactor::One,
+            operation: BlendOperation::Add,
+        };
+        for code in (0..=255).step_by(15).chain([1, 11, 254]) {
+            let inputs = ColorInputs {
+                format: ColorFormat::from_name("rgba8unorm-srgb").expect("a format"),
+                blend: Some(BlendState { color: keep, alpha: keep }),
+                constant: [0.0; 4],
+                src: [0.5; 4],
+                src1: [0.0; 4],
+                dst: [code; 4],
+            };
+            assert_eq!(Exact { rounding: Rounding::TowardZero }.merge_color(&inputs), [code; 4], "{code}");
+        }
     }
 }

@@ -27,8 +27,8 @@ pub enum Generation {
 pub struct Facts {
     /// The version that names it, e.g. `22.3`.
     pub name: &'static str,
-    /// The versions it was proven on, oldest first. What lies between two of them is taken to be the same.
-    pub proven: &'static [[u32; 3]],
+    /// The first and the last version it was proven on. What lies between them is taken to be the same.
+    pub proven: [[u32; 3]; 2],
     /// How, in words.
     pub evidence: &'static str,
     /// By which rules it differs from others.
@@ -169,7 +169,7 @@ impl Rules {
 
 const OLDEST: Facts = Facts {
     name: "22.3",
-    proven: &[[22, 3, 6]],
+    proven: [[22, 3, 6]; 2],
     evidence: "full level on Intel and AMD (Debian 12, LLVM 15.0.6)",
     rules: Rules {
         product: Product::Near,
@@ -185,7 +185,7 @@ const OLDEST: Facts = Facts {
 
 const MIDDLE: Facts = Facts {
     name: "25.0",
-    proven: &[[25, 0, 7]],
+    proven: [[25, 0, 7]; 2],
     evidence: "full level on AMD (Debian 13, LLVM 19.1.7)",
     rules: Rules {
         small_denormals: SmallDenormals::KeptAlone,
@@ -199,7 +199,7 @@ const MIDDLE: Facts = Facts {
 
 const NEWEST: Facts = Facts {
     name: "26.1",
-    proven: &[[26, 1, 6], [26, 2, 6]],
+    proven: [[26, 1, 6], [26, 2, 6]],
     evidence: "full level of 26.2.6, quick level of 26.1.6, on AMD (Debian forky and sid, LLVM 21.1.8 and 22.1.8)",
     rules: Rules {
         product: Product::Nearest,
@@ -233,7 +233,7 @@ impl Generation {
     /// The generation to compare a driver of this version with, and how well that choice is founded.
     #[must_use]
     pub fn of_version(version: [u32; 3]) -> (Self, Footing) {
-        let last = |generation: Self| *generation.facts().proven.last().expect("proven somewhere");
+        let last = |generation: Self| generation.facts().proven[1];
         let from = |generation: &Self| generation.facts().proven[0] <= version;
         match Self::ALL.into_iter().rev().find(from) {
             Some(generation) if version <= last(generation) => (generation, Footing::Proven),
@@ -257,11 +257,8 @@ impl Generation {
     #[must_use]
     pub fn range(self) -> String {
         let text = |[major, minor, patch]: [u32; 3]| format!("{major}.{minor}.{patch}");
-        match self.facts().proven {
-            [only] => text(*only),
-            [first, .., last] => format!("{} to {}", text(*first), text(*last)),
-            [] => String::new(),
-        }
+        let [first, last] = self.facts().proven;
+        if first == last { text(first) } else { format!("{} to {}", text(first), text(last)) }
     }
 }
 

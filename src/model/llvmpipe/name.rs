@@ -52,6 +52,7 @@ impl LlvmpipeName {
     ///
     /// # Errors
     /// [`LlvmpipeNameError`] for a wrong parameter.
+    #[must_use]
     pub fn parse(name: &str) -> Option<Result<Self, LlvmpipeNameError>> {
         match name.strip_prefix("llvmpipe")? {
             "" => Some(Ok(Self::default())),
