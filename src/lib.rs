@@ -146,7 +146,7 @@ pub mod analysis;
 #[cfg(feature = "report")]
 pub mod report;
 
-#[cfg(any(feature = "cli", feature = "gpu"))]
+#[cfg(any(feature = "cli", feature = "json"))]
 pub mod processor;
 
 #[cfg(feature = "gpu")]

@@ -5,6 +5,7 @@ use std::fmt;
 /// What identifies a processor.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "json", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "json", serde(deny_unknown_fields))]
 pub struct Processor {
     /// The maker as the processor names it, e.g. `AuthenticAMD`; elsewhere than on x86-64, the architecture.
     pub vendor: String,
@@ -18,7 +19,7 @@ pub struct Processor {
 
 impl Processor {
     /// Asks the processor (CPUID).
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(all(target_arch = "x86_64", any(feature = "cli", feature = "gpu")))]
     #[must_use]
     pub fn of_this_machine() -> Self {
         let cpuid = raw_cpuid::CpuId::new();
@@ -34,7 +35,7 @@ impl Processor {
     }
 
     /// Elsewhere than on x86-64 only the architecture is known.
-    #[cfg(not(target_arch = "x86_64"))]
+    #[cfg(all(not(target_arch = "x86_64"), any(feature = "cli", feature = "gpu")))]
     #[must_use]
     pub fn of_this_machine() -> Self {
         Self { vendor: std::env::consts::ARCH.to_owned(), family: 0, model: 0, name: String::new() }
@@ -55,6 +56,7 @@ impl fmt::Display for Processor {
 mod tests {
     use super::*;
 
+    #[cfg(any(feature = "cli", feature = "gpu"))]
     #[test]
     fn this_machine_s_processor_has_a_maker_and_on_x86_64_a_family() {
         let processor = Processor::of_this_machine();

@@ -214,6 +214,7 @@ impl Sweep {
         let mut results = Results {
             version: VERSION,
             adapter: device.report().to_string(),
+            driver: Some(device.report().record()),
             level: self.level,
             shards: vec![self.shard.to_string()],
             models: panel.subjects.iter().map(|subject| subject.name.clone()).collect(),

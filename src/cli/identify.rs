@@ -17,7 +17,7 @@ use crate::identify::{Blender, Candidate, Examination, Fit, Question, Sample, ca
 use crate::model::{ColorInputs, NumericModel, registry};
 use crate::state::shaderlab::Properties;
 use crate::state::text;
-use crate::vectors::{Line, VectorLine};
+use crate::vectors::{Entry, Line, VectorLine};
 
 /// Arguments of `identify`.
 #[derive(Debug, Args)]
@@ -300,11 +300,12 @@ fn from_lines(input: impl Read) -> Result<Vec<Sample>, String> {
         if text.trim().is_empty() {
             continue;
         }
-        match Line::parse(&text).map_err(|error| place(error.to_string()))? {
-            Line::Color(line) => {
+        match Entry::parse(&text).map_err(|error| place(error.to_string()))? {
+            Entry::Driver(_) => {}
+            Entry::Line(Line::Color(line)) => {
                 samples.extend(Sample::from_line(&line).ok_or_else(|| place("has no `out`".to_owned()))?);
             }
-            Line::Depth(_) | Line::Layers(_) => {
+            Entry::Line(Line::Depth(_) | Line::Layers(_)) => {
                 return Err(place("only lines of kind color show how a blender rounds".to_owned()));
             }
         }

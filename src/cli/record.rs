@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::{Failure, Outcome, output};
 use crate::crosscheck::{Device, OpenOptions, adapter, vector};
-use crate::vectors::{self, Kind, Line};
+use crate::vectors::{self, Entry, Kind, Line};
 
 /// Arguments of `vectors record`.
 #[derive(Debug, Args)]
@@ -44,7 +44,12 @@ impl Record {
         adapter::reexec_without_shader_cache()?;
         let device = Device::open(&OpenOptions { adapter: self.adapter.clone(), ..OpenOptions::default() })?;
         let mut not_run = BTreeMap::<(String, &str), usize>::new();
+        let driver = device.report().record();
+        if let Some(warning) = &driver.warning {
+            output::complain(warning);
+        }
         output::write_file(&self.output, |file| {
+            writeln!(file, "{}", driver.to_json())?;
             for mut line in lines {
                 if let Some(reason) = vector::refusal(&device, &line) {
                     *not_run.entry((line.group(), reason)).or_default() += 1;
@@ -75,7 +80,10 @@ impl Record {
             let text = text.map_err(|error| format!("{}: {error}", path.display()))?;
             if !text.trim().is_empty() {
                 let wrong = |error| format!("{}: line {number}: {error}", path.display());
-                lines.push(Line::parse(&text).map_err(wrong)?);
+                // Who recorded the input's results is of no interest: they are drawn anew.
+                if let Entry::Line(line) = Entry::parse(&text).map_err(wrong)? {
+                    lines.push(line);
+                }
             }
         }
         Ok(lines)

@@ -131,6 +131,9 @@ impl Check {
         if self.report {
             output::print_json(&report)?;
         } else {
+            if let Some(driver) = &report.recorded_by {
+                text.insert_str(0, &format!("recorded by {driver}\n"));
+            }
             if shown > self.show {
                 text.push_str(&format!("... and {} more failing lines\n", shown - self.show));
             }

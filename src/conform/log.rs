@@ -31,7 +31,9 @@ pub enum LogError {
         source: serde_json::Error,
     },
     /// The units of another run are not comparable.
-    #[error("{path}: the log belongs to a run with another adapter, level, models or specifications; name another log")]
+    #[error(
+        "{path}: the log belongs to a run with another adapter, driver, processor, level, models or specifications; name another log"
+    )]
     Foreign {
         /// The log.
         path: PathBuf,
@@ -100,8 +102,12 @@ impl Log {
 
 /// What a log's units are comparable with.
 fn header(run: &Results) -> Value {
+    // Results depend on the driver and the processor as much as on the adapter's line.
     let mut header =
         serde_json::json!({ "version": run.version, "adapter": run.adapter, "level": run.level, "models": run.models });
+    if let Some(driver) = &run.driver {
+        header["driver"] = serde_json::to_value(driver).unwrap_or_default();
+    }
     if !run.specs.is_empty() {
         header["specs"] = run.specs.clone().into();
     }
@@ -118,6 +124,7 @@ mod tests {
         Results {
             version: VERSION,
             adapter: "a".to_owned(),
+            driver: None,
             level: Level::Exhaustive,
             shards: vec!["1/1".to_owned()],
             models: vec!["m".to_owned()],

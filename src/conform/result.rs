@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::{Level, SpecOutcome};
+use crate::vectors::DriverRecord;
 
 /// Version of the JSON form.
 pub const VERSION: u32 = 1;
@@ -16,6 +17,9 @@ pub struct Results {
     pub version: u32,
     /// The adapter, in one line.
     pub adapter: String,
+    /// Driver, version, processor: what the bytes depend on. Absent in results from before it was recorded.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub driver: Option<DriverRecord>,
     /// The level.
     pub level: Level,
     /// The shards these results cover, `i/n`.
@@ -138,6 +142,12 @@ impl Results {
             if part.adapter != merged.adapter {
                 return Err(different("adapter", merged.adapter, part.adapter.clone()));
             }
+            if part.driver != merged.driver {
+                let text = |driver: &Option<DriverRecord>| {
+                    driver.as_ref().map_or("not recorded".to_owned(), ToString::to_string)
+                };
+                return Err(different("driver", text(&merged.driver), text(&part.driver)));
+            }
             if part.level != merged.level {
                 return Err(different("level", merged.level.to_string(), part.level.to_string()));
             }
@@ -249,6 +259,7 @@ mod tests {
         Results {
             version: VERSION,
             adapter: "a".to_owned(),
+            driver: None,
             level: Level::Quick,
             shards: vec![shard.to_owned()],
             models: vec!["m".to_owned()],

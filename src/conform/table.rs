@@ -10,7 +10,12 @@ use crate::admissible::Verdict;
 /// The table, what was not run and why, and a verdict for each model.
 #[must_use]
 pub fn text(results: &Results) -> String {
-    let mut text = format!("{}\nlevel {}, shard {}\n\n", results.adapter, results.level, results.shards.join(", "));
+    let mut text = format!("{}\n", results.adapter);
+    if let Some(driver) = &results.driver {
+        let _ = writeln!(text, "{driver}");
+        driver.warning.iter().for_each(|warning| text.push_str(&format!("{warning}\n")));
+    }
+    let _ = write!(text, "level {}, shard {}\n\n", results.level, results.shards.join(", "));
     if !results.models.is_empty() {
         let _ = write!(text, "{:18}{:>14}", "states matched", "texels");
         for model in &results.models {
@@ -71,6 +76,11 @@ pub fn markdown(results: &Results) -> String {
         "# {title} {}\n\nMade by `outmerge conform --level {}{arguments} --markdown FILE`. {rule}\n\n",
         results.adapter, results.level
     );
+    if let Some(driver) = &results.driver {
+        let _ = writeln!(text, "Driver: {driver}.");
+        driver.warning.iter().for_each(|warning| text.push_str(&format!("{warning}.\n")));
+        text.push('\n');
+    }
     if !results.models.is_empty() {
         let _ = writeln!(text, "| states matched | texels | {} |", results.models.join(" | "));
         let _ = writeln!(text, "|---|--:|{}", "--:|".repeat(results.models.len()));
@@ -265,6 +275,7 @@ mod tests {
         Results {
             version: VERSION,
             adapter: "device".to_owned(),
+            driver: None,
             level: Level::Quick,
             shards: vec!["1/1".to_owned()],
             models: ["a", "b", "c"].map(str::to_owned).into(),

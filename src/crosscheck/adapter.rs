@@ -13,6 +13,8 @@ use wgpu::{Backends, Features};
 
 use crate::model::llvmpipe::{Estimate, Generation, Llvmpipe, VectorWidth};
 use crate::model::registry::Drivers;
+use crate::processor::Processor;
+use crate::vectors::DriverRecord;
 
 /// The variable that turns Mesa's shader cache off.
 pub const SHADER_CACHE_VARIABLE: &str = "MESA_SHADER_CACHE_DISABLE";
@@ -173,6 +175,32 @@ impl AdapterReport {
         let version = self.mesa_version()?;
         let (generation, footing) = Generation::of_version(version);
         footing.warning(version, generation)
+    }
+
+    /// The version of LLVM, of `Mesa 22.3.6 (LLVM 15.0.6)`.
+    fn llvm_version(&self) -> Option<String> {
+        let (_, rest) = self.driver_info.split_once("LLVM ").or_else(|| self.name.split_once("LLVM "))?;
+        rest.split([')', ',']).next().map(str::to_owned)
+    }
+
+    /// What this adapter's bytes depend on, to be kept with results.
+    #[must_use]
+    pub fn record(&self) -> DriverRecord {
+        let bits = self.vector_width().map(|width| match width {
+            VectorWidth::Bits256 => 256,
+            VectorWidth::Bits128 => 128,
+        });
+        DriverRecord {
+            adapter: self.name.clone(),
+            driver: self.driver.clone(),
+            version: self.driver_info.clone(),
+            llvm: self.llvm_version(),
+            vector_bits: bits,
+            processor: Processor::of_this_machine(),
+            // Mesa tells its version; a driver that tells none is known by its file alone.
+            library: if self.is_mesa() { None } else { super::library::of_adapter(self) },
+            warning: self.warning(),
+        }
     }
 
     /// Whether the driver is one of Mesa's, which share the shader cache.

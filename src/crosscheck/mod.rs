@@ -17,6 +17,7 @@ pub mod clear;
 pub mod device;
 #[cfg(feature = "scene")]
 pub mod drawn;
+mod library;
 pub mod painter;
 pub mod pipeline;
 pub mod program;

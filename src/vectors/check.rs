@@ -5,7 +5,7 @@ use std::io::{BufRead, Read, Write};
 
 use serde::Serialize;
 
-use super::{Line, LineError, VectorError, VectorLine};
+use super::{DriverRecord, Entry, Line, LineError, VectorError, VectorLine};
 use crate::limit::Limits;
 use crate::merger::write_mask;
 use crate::model::NumericModel;
@@ -51,6 +51,9 @@ pub struct Checked {
 pub struct Report {
     /// The model's name.
     pub model: String,
+    /// The driver that recorded the file, where it says so.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recorded_by: Option<DriverRecord>,
     /// Everything.
     pub total: Checked,
     /// By format name; layers by `layers ` and the format's.
@@ -80,7 +83,7 @@ pub fn check_within(
     mut failed: impl FnMut(&Mismatch),
 ) -> Result<Report, VectorError> {
     let mut report = Report { model: model.name(), ..Report::default() };
-    for_each_line(input, limits, |number, line| {
+    report.recorded_by = for_each_line(input, limits, |number, line| {
         supported(model, number, &line)?;
         let compared = line.compare(model, number);
         let compared = compared.ok_or(VectorError::Line { line: number, source: LineError::NoOut })?;
@@ -106,7 +109,8 @@ pub fn check_within(
     Ok(report)
 }
 
-/// Writes every line back with `out` filled in by the model; order and count stay. Returns the number of lines.
+/// Writes every line back with `out` filled in by the model; order and count stay, but for a line that names the driver, whose
+/// results these are no more. Returns the number of lines.
 ///
 /// # Errors
 /// [`VectorError`] at the first line that is malformed or beyond the model, or when writing fails.
@@ -151,12 +155,13 @@ fn supported(model: &dyn NumericModel, number: usize, line: &Line) -> Result<(),
     line.supported(model).map_err(|source| VectorError::Unsupported { line: number, source })
 }
 
-/// Parses line by line; blank lines are passed over.
+/// Parses line by line; blank lines are passed over. Returns the driver that recorded the file, where a line says so.
 pub(super) fn for_each_line(
     mut input: impl BufRead,
     limits: &Limits,
     mut each: impl FnMut(usize, Line) -> Result<(), VectorError>,
-) -> Result<(), VectorError> {
+) -> Result<Option<DriverRecord>, VectorError> {
+    let mut driver = None;
     let mut bytes = Vec::new();
     for number in 1.. {
         bytes.clear();
@@ -171,7 +176,10 @@ pub(super) fn for_each_line(
         if text.trim().is_empty() {
             continue;
         }
-        each(number, Line::parse(text).map_err(wrong)?)?;
+        match Entry::parse(text).map_err(wrong)? {
+            Entry::Driver(record) => driver = Some(record),
+            Entry::Line(line) => each(number, line)?,
+        }
     }
-    Ok(())
+    Ok(driver)
 }

@@ -4,7 +4,7 @@ use serde::Deserialize;
 use wgpu_types::BlendState;
 
 use super::check::Mismatch;
-use super::{DepthLine, LayersLine, LineError, VectorLine, describe};
+use super::{DepthLine, DriverRecord, LayersLine, LineError, VectorLine, describe};
 use crate::format::ColorFormat;
 use crate::merger::write_mask;
 use crate::model::{Agreement, NumericModel, Unsupported, agreement, agreement_of_layers};
@@ -30,6 +30,28 @@ pub enum Line {
     Depth(DepthLine),
     /// `"kind":"layers"`.
     Layers(LayersLine),
+}
+
+/// What one line of a file holds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Entry {
+    /// `"kind":"driver"`: who recorded the lines that follow.
+    Driver(DriverRecord),
+    /// Texels.
+    Line(Line),
+}
+
+impl Entry {
+    /// Parses one line.
+    ///
+    /// # Errors
+    /// [`LineError`], naming the member.
+    pub fn parse(text: &str) -> Result<Self, LineError> {
+        match serde_json::from_str::<Peek>(text)?.kind.as_deref() {
+            Some("driver") => DriverRecord::parse(text).map(Self::Driver),
+            _ => Line::parse(text).map(Self::Line),
+        }
+    }
 }
 
 #[derive(Deserialize)]

@@ -43,7 +43,9 @@ pub enum LineError {
     #[error("byte {0} of the line is not UTF-8 text")]
     Utf8(usize),
     /// An unknown kind of line.
-    #[error("unknown line kind `{0}`; it must be `color` (or left out), `depth` or `layers`")]
+    #[error(
+        "unknown line kind `{0}`; it must be `color` (or left out), `depth`, `layers`, or `driver` in a file that was recorded"
+    )]
     Kind(String),
     /// A line of one kind where another is wanted.
     #[error("a line of kind `{0}` where one of another kind is wanted")]

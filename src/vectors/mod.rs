@@ -16,6 +16,8 @@
 //! `blend` may be `null` (blending off). Factor and operation names are WebGPU's; raw texels are in the format's memory
 //! layout. Where results are compared, any NaN of a float channel equals any NaN.
 //!
+//! A recorded file begins with a line of kind `driver` ([`DriverRecord`]), which names the driver and is read past.
+//!
 //! Lines with `"kind":"depth"` ([`DepthLine`]) and `"kind":"layers"` ([`LayersLine`]) are of the same spirit; the
 //! repository's `docs/vectors.md` describes all three.
 
@@ -23,6 +25,7 @@ mod bytes;
 mod check;
 mod depth;
 mod describe;
+mod driver;
 mod generate;
 mod hex;
 mod judge;
@@ -34,9 +37,10 @@ pub use crate::model::same_codes;
 pub use check::{Checked, Mismatch, Report, apply, apply_within, check, check_within, fill};
 pub use depth::DepthLine;
 pub use describe::equations as describe_state;
+pub use driver::{DriverRecord, Library};
 pub use generate::{Generator, generate, generate_kind};
 pub use judge::{Judged, Judgements, Violation, judge};
-pub use kind::{Kind, Line};
+pub use kind::{Entry, Kind, Line};
 pub use layers::LayersLine;
 pub use line::{ColorDraw, LineError, VectorLine};
 

@@ -40,9 +40,11 @@ impl std::fmt::Display for DeviceSection {
                 let all = &report.all;
                 write!(
                     f,
-                    "drawn by {}: of {} pixels {} covered differently; {} alike in every fragment, of these {} stored \
+                    "drawn by {} ({}; compared with {}): of {} pixels {} covered differently; {} alike in every fragment, of these {} stored \
                      differently; {} stored differently in all",
                     report.adapter,
+                    report.driver,
+                    report.model,
                     all.texels,
                     all.texels_covered_differently,
                     all.texels_alike,
@@ -60,6 +62,8 @@ impl std::fmt::Display for DeviceSection {
 pub struct DeviceReport {
     /// The device and its driver.
     pub adapter: String,
+    /// Driver, version, processor: what the bytes depend on.
+    pub driver: crate::vectors::DriverRecord,
     /// The model it is compared with: that of its driver, or `exact` where there is none.
     pub model: String,
     /// All scenes together.
@@ -120,7 +124,8 @@ pub fn draw(device: &Device, scenes: &[(String, Scene)], done: &(dyn Fn() + Sync
     let scenes: Vec<_> = scenes.par_iter().zip(drawn).map(one).collect();
     let mut all = Agreement::default();
     scenes.iter().filter_map(|scene| scene.outcome.as_ref().ok()).for_each(|outcome| all.absorb(&outcome.agreement));
-    DeviceReport { adapter: device.report().to_string(), model: model.name(), all, scenes }
+    let driver = device.report().record();
+    DeviceReport { adapter: device.report().to_string(), driver, model: model.name(), all, scenes }
 }
 
 /// The model of a device's driver and its rasteriser, `exact` and the reference for drivers without one, and the driver's
