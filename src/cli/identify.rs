@@ -212,7 +212,7 @@ fn basis(asked: &[Asked]) -> String {
     }
     if !text.is_empty() {
         text.push_str(
-            "  not asked: other states and numbers, depth and stencil, several samples; --json names the states\n",
+            "  numbers: codes, ties and their neighbours, powers of two, random, denormal, huge and special ones\n  not asked: other states and numbers, second sources, write masks, depth, stencil, samples; --json names the states\n",
         );
     }
     text

@@ -8,12 +8,15 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::{Failure, Outcome, output};
 use crate::analysis::texture::Source;
 use crate::analysis::tradeoff::clock::{self, Time};
+#[cfg(feature = "gpu")]
+use crate::analysis::tradeoff::driver;
 use crate::analysis::tradeoff::fixed::{self, FixedRow};
 use crate::analysis::tradeoff::front::{self, Point};
 use crate::analysis::tradeoff::input::Inputs;
 use crate::analysis::tradeoff::{FORMATS, LAYERS, Row, Survey, jobs, survey};
 use crate::format::ColorFormat;
-use crate::model::{NumericModel, registry};
+use crate::model::NumericModel;
+use crate::model::registry::{self, Drivers};
 use crate::report::section::tradeoff as section;
 
 /// Arguments of `tradeoff`.
@@ -66,12 +69,34 @@ struct Measured {
     fixed: Vec<FixedRow>,
 }
 
+#[cfg(feature = "gpu")]
+use crate::crosscheck::Device;
+
+/// A build without wgpu has no devices.
+#[cfg(not(feature = "gpu"))]
+#[derive(Debug)]
+enum Device {}
+
+/// What plain names of drivers mean.
+fn drivers(device: &Option<Device>) -> Drivers {
+    #[cfg(feature = "gpu")]
+    return device.as_ref().map_or_else(Drivers::default, |device| device.report().drivers());
+    #[cfg(not(feature = "gpu"))]
+    match device {
+        None => Drivers::default(),
+        Some(none) => match *none {},
+    }
+}
+
 impl Tradeoff {
     pub(super) fn run(self) -> Result<Outcome, Failure> {
+        // Plain names of drivers mean the driver that is measured beside them.
+        let device = self.device()?;
+        let drivers = drivers(&device);
         let models = if self.models.is_empty() {
-            registry::all()
+            registry::all_among(drivers)
         } else {
-            self.models.iter().map(|name| registry::by_name(name)).collect::<Result<_, _>>()?
+            self.models.iter().map(|name| registry::by_name_among(name, drivers)).collect::<Result<_, _>>()?
         };
         let models: Vec<&dyn NumericModel> = models.iter().map(AsRef::as_ref).collect();
         let formats: Vec<&str> = if self.formats.is_empty() {
@@ -88,13 +113,17 @@ impl Tradeoff {
         };
         let layers = self.layers()?;
         let what = Survey { models: &models, inputs: &inputs, formats: &formats, layers: &layers };
+        #[cfg_attr(not(feature = "gpu"), expect(unused_mut, reason = "a driver's come behind"))]
         let mut times = clock::times(&models, &formats, &inputs)?;
         let bar = ProgressBar::new(jobs(&what) as u64)
             .with_style(ProgressStyle::with_template("drawing {bar:40} {pos}/{len} stacks {elapsed}")?);
+        #[cfg_attr(not(feature = "gpu"), expect(unused_mut, reason = "a driver's come behind"))]
         let mut rows = survey(&what, &|| bar.inc(1));
         bar.finish_and_clear();
-        if !self.no_adapter {
-            self.driver(&what, &mut rows, &mut times)?;
+        #[cfg(feature = "gpu")]
+        if let Some(device) = &device {
+            rows.extend(driver::survey(device, &what, &|| ())?);
+            times.extend(driver::times(device, &what)?);
         }
         let fixed = fixed::sweep(&inputs, 4096 * self.effort);
         let measured = Measured { points: front::points(&rows, &times), rows, times, fixed };
@@ -112,35 +141,36 @@ impl Tradeoff {
         Ok(Outcome::Fine)
     }
 
-    /// Adds a real driver's points. A missing adapter is an error only if one was asked for.
+    /// The driver to measure, unless none is wanted. A missing one is an error only if it was asked for.
     #[cfg(feature = "gpu")]
-    fn driver(&self, what: &Survey<'_>, rows: &mut Vec<Row>, times: &mut Vec<Time>) -> Result<(), Failure> {
-        use crate::analysis::tradeoff::driver;
-        use crate::crosscheck::{Device, OpenOptions};
+    fn device(&self) -> Result<Option<Device>, Failure> {
+        use crate::crosscheck::OpenOptions;
+        if self.no_adapter {
+            return Ok(None);
+        }
         // Time is measured, not compared bit for bit, so a shader cache does no harm.
         let options = OpenOptions { adapter: self.adapter.clone(), allow_shader_cache: true, ..OpenOptions::default() };
-        let device = match Device::open(&options) {
-            Ok(device) => device,
+        match Device::open(&options) {
+            Ok(device) => Ok(Some(device)),
             Err(error) if self.adapter.is_none() => {
                 output::complain(&format!("not run: a driver as one of the points: {error}"));
-                return Ok(());
+                Ok(None)
             }
-            Err(error) => return Err(error.into()),
-        };
-        rows.extend(driver::survey(&device, what, &|| ())?);
-        times.extend(driver::times(&device, what)?);
-        Ok(())
+            Err(error) => Err(error.into()),
+        }
     }
 
     /// Without the feature `gpu` there is no driver to measure.
     #[cfg(not(feature = "gpu"))]
-    fn driver(&self, _: &Survey<'_>, _: &mut Vec<Row>, _: &mut Vec<Time>) -> Result<(), Failure> {
+    fn device(&self) -> Result<Option<Device>, Failure> {
         let reason = "this program was built without the feature `gpu`";
         match &self.adapter {
             Some(_) => Err(format!("{reason}; build with --all-features to measure an adapter").into()),
             None => {
-                output::complain(&format!("not run: a driver as one of the points: {reason}"));
-                Ok(())
+                if !self.no_adapter {
+                    output::complain(&format!("not run: a driver as one of the points: {reason}"));
+                }
+                Ok(None)
             }
         }
     }

@@ -1,13 +1,14 @@
 //! The whole examination of a blender that can be asked: a conversation on one format, then a check of who is left on every
 //! format, by questions that tell the rest apart, by random states, and by clears.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use serde::Serialize;
 use wgpu_types::{BlendState, ColorWrites};
 
 use super::interrogate::{Options, interrogate};
 use super::score::{each, survivors};
+use super::telling::aimed;
 use super::{Candidate, Fit, Sample, clears, fit, telling};
 use crate::format::{Codes, ColorFormat};
 use crate::model::{ColorInputs, same_codes};
@@ -58,8 +59,8 @@ pub struct Asked {
     pub format: String,
     /// Texels drawn and compared.
     pub samples: usize,
-    /// The states they were drawn with.
-    pub states: Vec<String>,
+    /// The states they were drawn with, and the samples of each.
+    pub states: BTreeMap<String, usize>,
     /// Colors cleared to and compared.
     pub clears: usize,
 }
@@ -83,11 +84,15 @@ pub struct Examination {
 const STATES: usize = 12;
 const TEXELS: usize = 32;
 
+/// Questions of each source of [`telling`](mod@super::telling), whether or not they tell candidates apart: a driver with a rule
+/// that no candidate has is found by these.
+const AIMED: usize = 64;
+
 /// Telling questions for each pair that is left, on each format.
 const TELLING: usize = 12;
 
 /// Candidates of which all pairs are told apart: more are left only on a format where nothing tells them apart.
-const PAIRS_OF: usize = 8;
+const PAIRS_OF: usize = 16;
 
 /// Colors cleared to on each format.
 const CLEARS: usize = 512;
@@ -123,6 +128,7 @@ pub fn examine<B: Blender>(
         }
         let known = samples.len();
         let mut asked = random(format, question.seed);
+        asked.extend(aimed(format, AIMED, question.seed));
         asked.extend(telling_questions(candidates, &rest, format, question.seed));
         asked.retain(|inputs| {
             let blend = inputs.blend.as_ref();
@@ -192,16 +198,16 @@ fn telling_questions(candidates: &[Candidate], rest: &[usize], format: ColorForm
 
 /// What samples were asked, by format.
 pub(crate) fn asked(samples: &[Sample], cleared: &BTreeMap<&'static str, usize>) -> Vec<Asked> {
-    let mut formats: BTreeMap<&'static str, (usize, BTreeSet<String>)> = BTreeMap::new();
+    let mut formats: BTreeMap<&'static str, (usize, BTreeMap<String, usize>)> = BTreeMap::new();
     for sample in samples {
         let (count, states) = formats.entry(sample.inputs.format.name()).or_default();
         *count += 1;
-        states.insert(describe_state(sample.inputs.blend.as_ref()));
+        *states.entry(describe_state(sample.inputs.blend.as_ref())).or_default() += 1;
     }
-    let of = |(format, (samples, states)): (&'static str, (usize, BTreeSet<String>))| Asked {
+    let of = |(format, (samples, states)): (&'static str, (usize, BTreeMap<String, usize>))| Asked {
         format: format.to_owned(),
         samples,
-        states: states.into_iter().collect(),
+        states,
         clears: cleared.get(format).copied().unwrap_or(0),
     };
     formats.into_iter().map(of).collect()
@@ -271,6 +277,19 @@ mod tests {
             let model = Llvmpipe { generation: hidden, ..Llvmpipe::default() };
             assert_eq!(name(&others, &model), Vec::<String>::new(), "{hidden}");
         }
+    }
+
+    /// With only older rules known, products alone give the newest generation away on rgba8unorm.
+    #[test]
+    fn an_unknown_generation_is_none_on_one_format_as_well() {
+        let mut others = candidates();
+        others.retain(|candidate| !candidate.name().starts_with("llvmpipe:mesa=26.1"));
+        others.retain(|candidate| matches!(candidate, Candidate::Named(_)));
+        let model = Llvmpipe::default();
+        let first = question().first;
+        let one = Question { formats: vec![first], ..question() };
+        let found = examine(&others, &one, &mut Hidden(&model)).expect("models do not fail");
+        assert_eq!(found.reproduced_by, Vec::<String>::new());
     }
 
     #[test]

@@ -144,7 +144,12 @@ fn batch(candidates: &[Candidate], rest: &[usize], questions: &mut Questions, co
 fn disagreement(candidates: &[Candidate], jury: &[usize], question: &ColorInputs) -> f64 {
     let mut answers: HashMap<Codes, u32> = HashMap::new();
     for i in jury {
-        let mut codes = candidates[*i].model().merge_color(question);
+        let model = candidates[*i].model();
+        // What a driver's history decides tells nothing.
+        if model.alternative(question).is_some() {
+            continue;
+        }
+        let mut codes = model.merge_color(question);
         for (code, kind) in codes.iter_mut().zip(question.format.channels()) {
             // Any NaN equals any NaN.
             if let ChannelKind::Float(layout) = kind
@@ -156,6 +161,9 @@ fn disagreement(candidates: &[Candidate], jury: &[usize], question: &ColorInputs
         *answers.entry(codes).or_default() += 1;
     }
     let total: f64 = answers.values().map(|count| f64::from(*count)).sum();
+    if total == 0.0 {
+        return 0.0;
+    }
     let part = |count: &u32| {
         let p = f64::from(*count) / total;
         -p * p.log2()

@@ -54,6 +54,16 @@ pub fn telling(
     found
 }
 
+/// Questions of every source, `count` of each, told or not: what is likely to show a rule that no candidate has.
+#[must_use]
+pub fn aimed(format: ColorFormat, count: usize, seed: u64) -> Vec<ColorInputs> {
+    let of = |(number, source): (usize, &Source)| {
+        let mut aim = Aim::new(format, seed.wrapping_add(number as u64) ^ 0xa13d);
+        (0..count).filter_map(|_| source(&mut aim)).collect::<Vec<_>>()
+    };
+    SOURCES.iter().enumerate().flat_map(of).collect()
+}
+
 /// Whether no answer of one model is a possible answer of the other.
 #[must_use]
 pub fn tells(a: &dyn NumericModel, b: &dyn NumericModel, inputs: &ColorInputs) -> bool {

@@ -123,7 +123,9 @@ pub fn headline(scene: &Scene) -> Result<Picture, SceneError> {
     let target = |framebuffer: &Framebuffer| framebuffer.colors.first().cloned().flatten();
     let Some(yardstick) = target(&exact) else { return Ok(Picture { width: 0, height: 0, rgba: Vec::new() }) };
     let mut pictures = vec![Picture::of_color(&yardstick, scene.target.display, PictureAlpha::Opaque)];
-    for model in registry::all().into_iter().filter(|model| HEADLINE_MODELS.contains(&model.name().as_str())) {
+    for model in
+        registry::all().into_iter().filter(|model| HEADLINE_MODELS.iter().any(|name| model.name().starts_with(name)))
+    {
         let drawn = scene.render(&*model)?.framebuffer;
         pictures.extend(target(&drawn).map(|drawn| Differences::between(&yardstick, &drawn).heat_map()));
     }

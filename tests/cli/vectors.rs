@@ -202,3 +202,59 @@ fn judged_results_are_outside_only_beyond_the_widest_class() {
     let message = String::from_utf8_lossy(&unknown.stderr).into_owned();
     assert!(unknown.status.code() == Some(2) && message.contains("vulkan, d3d or webgpu"), "{message}");
 }
+
+/// Recorded from Mesa 22.3.6 on an AMD EPYC (Zen 5): the sRGB formats, whose stores depend on the processor.
+const RECORDED_ON_AMD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/llvmpipe-22.3.6-amd-zen5-srgb.jsonl");
+
+#[test]
+fn what_an_amd_processor_stored_is_the_model_with_its_estimate_and_not_another_s() {
+    let check = |model: &str| outmerge(&["vectors", "check", "--model", model, RECORDED_ON_AMD]).assert();
+    check("llvmpipe:mesa=22.3,rsqrt=amd-zen5").code(0).stdout(predicate::str::contains(" 0 texels differ in 0 lines"));
+    check("llvmpipe:rsqrt=intel-xeon,mesa=22.3").code(1);
+}
+
+#[test]
+fn undecided_texels_count_neither_way() {
+    // One Zero over an infinite blue: from 25.0 on the driver stores 1 or NaN there, by what it did before.
+    let line = |blue: &str| {
+        let one = "0000803f".repeat(4);
+        let blend = r#"{"src":"one","dst":"zero","op":"add"}"#;
+        let out = u32::from_str_radix(blue, 16).expect("hex") << 22 | 0x3c0 << 11 | 0x3c0;
+        let dst = 0x3e0_u32 << 22 | 0x3c0 << 11 | 0x3c0;
+        let hex = |texel: u32| texel.to_le_bytes().map(|byte| format!("{byte:02x}")).concat();
+        format!(
+            r#"{{"format":"rg11b10ufloat","blend":{{"color":{blend},"alpha":{blend}}},"src":"{one}","dst":"{}","out":"{}"}}"#,
+            hex(dst),
+            hex(out)
+        ) + "\n"
+    };
+    let text = line("1e0") + &line("3f0") + &line("1e1");
+    let (_dir, path) = file("undecided.jsonl", text.as_bytes());
+    let path = path.to_str().expect("a plain path");
+    let check = |model: &str| outmerge(&["vectors", "check", "--model", model, path]).assert().code(1);
+    let newer = "1 texels differ in 1 lines; 2 undecided: the driver's result depends on its history";
+    check("llvmpipe:mesa=25.0").stdout(predicate::str::contains(newer));
+    check("llvmpipe:mesa=22.3").stdout(predicate::str::contains("2 texels differ in 2 lines\n"));
+}
+
+#[test]
+fn a_line_that_names_the_driver_is_read_past_and_told() {
+    let driver = r#"{"kind":"driver","driver":{"adapter":"a","driver":"llvmpipe","version":"Mesa 22.3.6","processor":{"vendor":"AuthenticAMD","family":26,"model":2,"name":""}}}"#;
+    let vector = r#"{"format":"r8unorm","blend":null,"src":"0000803f000000000000000000000000","dst":"00","out":"ff"}"#;
+    let (_dir, path) = file("recorded.jsonl", format!("{driver}\n{vector}\n").as_bytes());
+    let path = path.to_str().expect("a plain path");
+    outmerge(&["vectors", "check", "--model", "exact", path])
+        .assert()
+        .code(0)
+        .stdout(predicate::str::contains("recorded by llvmpipe Mesa 22.3.6, on AuthenticAMD family 26 model 2"));
+    outmerge(&["vectors", "apply", "--model", "exact", path, "-o", "-"])
+        .assert()
+        .code(0)
+        .stdout(predicate::str::contains("r8unorm").and(predicate::str::contains("driver").not()));
+    let wrong = driver.replace("\"version\"", "\"vintage\"");
+    let (_dir, path) = file("wrong.jsonl", format!("{wrong}\n").as_bytes());
+    fails(
+        &["vectors", "check", "--model", "exact", path.to_str().expect("plain")],
+        "line 1: not a vector object: unknown field `vintage`",
+    );
+}

@@ -32,7 +32,7 @@ fn the_256_bit_model_does_not_fit_narrow_vectors() {
     if llvmpipe().is_none() {
         return;
     }
-    let sweep = ["conform", "--adapter", "llvmpipe", "--model", "llvmpipe", "--only", "store/rgba8unorm/"];
+    let sweep = ["conform", "--adapter", "llvmpipe", "--model", "llvmpipe:width=256", "--only", "store/rgba8unorm/"];
     let output = narrow(&sweep).output().expect("runs");
     assert_eq!(output.status.code(), Some(1), "a finding: {}", String::from_utf8_lossy(&output.stdout));
 }

@@ -8,7 +8,7 @@ use wgpu_types::{BlendFactor as F, BlendOperation as Op, BlendState, ColorTarget
 
 use super::{Bytes, equation, instruction_sets, model};
 
-const MODELS: [&str; 3] = ["exact", "f32", "llvmpipe"];
+const MODELS: [&str; 5] = ["exact", "f32", "llvmpipe:mesa=22.3", "llvmpipe:mesa=25.0", "llvmpipe:mesa=26.1"];
 
 /// Zeros, the least and the largest subnormals and normals, ones and their neighbours, halves, NaNs and infinities.
 const SPECIAL: [u16; 40] = [

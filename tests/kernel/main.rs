@@ -24,8 +24,8 @@ use wgpu_types::{
     BlendComponent, BlendFactor, BlendOperation, BlendState, ColorTargetState, ColorWrites, TextureFormat,
 };
 
-/// The models that have kernels, one a rule and `f32`.
-const MODELS: [&str; 4] = ["exact", "f32", "fixed:8", "llvmpipe"];
+/// The models that have kernels, every generation of a driver among them.
+const MODELS: [&str; 6] = ["exact", "f32", "fixed:8", "llvmpipe:mesa=22.3", "llvmpipe:mesa=25.0", "llvmpipe:mesa=26.1"];
 
 fn model(name: &str) -> Box<dyn NumericModel> {
     registry::by_name(name).expect("a model")

@@ -73,7 +73,10 @@ fn check(name: &str, target: &ColorTargetState, seed: u64) {
         let mut targets = before.clone();
         let mut merger = SpanMerger::new(&state, &*model, &targets).expect("a merger");
         let has_kernel = merger.kernels().all(|kernel| kernel);
-        assert!(has_kernel || name == "llvmpipe", "{name}, {target:?}: only a huge constant has none in llvmpipe");
+        assert!(
+            has_kernel || name.starts_with("llvmpipe"),
+            "{name}, {target:?}: only a huge constant has none in llvmpipe"
+        );
         let output = [Colors::Planes(src.each_ref().map(Vec::as_slice))];
         let second = Some(Colors::Planes(src1.each_ref().map(Vec::as_slice)));
         let span = Span { src1: second, keep: Some(&keep), ..Span::new(0, 0, &output) };

@@ -8,7 +8,15 @@ use wgpu_types::{BlendFactor as F, BlendOperation as Op, BlendState, ColorTarget
 
 use super::{Bytes, equation, instruction_sets, model};
 
-const MODELS: [&str; 3] = ["exact", "f32", "llvmpipe"];
+/// Encodes of `llvmpipe` depend on the processor, and on nothing else that generations differ in.
+const MODELS: &[&str] = &[
+    "exact",
+    "f32",
+    "llvmpipe:rsqrt=intel-xeon",
+    "llvmpipe:rsqrt=amd-zen5",
+    #[cfg(target_arch = "x86_64")]
+    "llvmpipe:rsqrt=host",
+];
 
 fn target(format: TextureFormat, blend: BlendState, write_mask: ColorWrites) -> ColorTargetState {
     ColorTargetState { format, blend: Some(blend), write_mask }

@@ -79,7 +79,10 @@ pub(super) fn text(variants: &[Variant], question: &Question) -> String {
     let columns = rows[0].len();
     let mut text = format!("\nllvmpipe elsewhere\n{}", table(&rows, |column| column > 0 && column < columns - 1));
     for variant in variants {
-        let _ = write!(text, "{}", wrap(&format!("{}: {}", variant.names.join(", "), variant.rules.join("; ")), 2));
+        let line = wrap(&format!("{}: {}", variant.names.join(", "), variant.rules.join("; ")), 2);
+        line.lines().for_each(|line| {
+            let _ = writeln!(text, "  {line}");
+        });
     }
     text
 }

@@ -133,11 +133,9 @@ impl Rules {
         match channels[0] {
             ChannelKind::Unorm(bits) => {
                 words.push(match (self.product, bits) {
-                    (Product::Nearest, _) => "products of codes are the nearest code",
-                    (Product::Near, 8) => "products of codes are near it: 24 of 65,536 are not the nearest code",
-                    (Product::Near, _) => {
-                        "products of 16-bit codes are near it: 5,006 of 2^32 are not the nearest code"
-                    }
+                    (Product::Nearest, _) => "every product of codes is the nearest code",
+                    (Product::Near, 8) => "24 of 65,536 products of codes are not the nearest code",
+                    (Product::Near, _) => "5,006 of 2^32 products of 16-bit codes are not the nearest code",
                 });
                 if single {
                     words.push(match self.interpolation {

@@ -11,7 +11,7 @@ proptest! {
     fn results_are_codes_of_the_format(
         inputs in state::format().prop_flat_map(target::color_inputs),
     ) {
-        for model in registry::all() {
+        for model in registry::every_generation() {
             if model.supports(inputs.format, inputs.blend.as_ref()).is_err() { continue }
             let codes = model.merge_color(&inputs);
             for (code, kind) in codes.into_iter().zip(inputs.format.channels()) {
@@ -31,7 +31,7 @@ proptest! {
     /// Models are pure: the same inputs give the same codes.
     #[test]
     fn equal_inputs_give_equal_codes(inputs in state::format().prop_flat_map(target::color_inputs)) {
-        for model in registry::all() {
+        for model in registry::every_generation() {
             if model.supports(inputs.format, inputs.blend.as_ref()).is_err() { continue }
             let again = inputs;
             prop_assert_eq!(model.merge_color(&inputs), model.merge_color(&again), "{}", model.name());
@@ -41,7 +41,7 @@ proptest! {
     /// What a model explains is what it stores.
     #[test]
     fn explanations_end_in_the_codes_stored(inputs in state::format().prop_flat_map(target::color_inputs)) {
-        for model in registry::all() {
+        for model in registry::every_generation() {
             if model.supports(inputs.format, inputs.blend.as_ref()).is_err() { continue }
             prop_assert_eq!(model.explain_color(&inputs).codes, model.merge_color(&inputs), "{}", model.name());
         }
