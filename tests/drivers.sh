@@ -13,22 +13,23 @@ cd "$(dirname "$0")/.."
 . tests/drivers/setup.sh
 . tests/drivers/compare.sh
 
-# One driver a line: name, how it is set up (a function of tests/drivers/setup.sh), and what that is given.
+# One driver a line: its name, the model it must match, the function of tests/drivers/setup.sh that sets it up, and what
+# that is given.
 all_drivers() {
     cat <<'LIST'
-installed           installed_mesa
-bookworm-backports  debian_mesa bookworm-backports
-trixie              debian_mesa trixie
-forky               debian_mesa forky
-sid                 debian_mesa sid
-chromium-109        npm_swiftshader 109
-chromium-110        npm_swiftshader 110
-chromium-111        npm_swiftshader 111
-chromium-119        npm_swiftshader 119
-chromium-131        npm_swiftshader 131
-chromium-143        npm_swiftshader 143
-chromium-153        npm_swiftshader 153
-chromium-debian     debian_swiftshader
+installed           llvmpipe                  installed_mesa
+bookworm-backports  llvmpipe                  debian_mesa bookworm-backports
+trixie              llvmpipe                  debian_mesa trixie
+forky               llvmpipe                  debian_mesa forky
+sid                 llvmpipe                  debian_mesa sid
+chromium-109        swiftshader:chromium=110  npm_swiftshader 109
+chromium-110        swiftshader:chromium=110  npm_swiftshader 110
+chromium-111        swiftshader               npm_swiftshader 111
+chromium-119        swiftshader               npm_swiftshader 119
+chromium-131        swiftshader               npm_swiftshader 131
+chromium-143        swiftshader               npm_swiftshader 143
+chromium-153        swiftshader               npm_swiftshader 153
+chromium-debian     swiftshader               debian_swiftshader
 LIST
 }
 
@@ -60,7 +61,7 @@ build
 rows=() differ='' missing=''
 for name in "${names[@]}"; do
     step "$name"
-    read -r _ setup argument < <(all_drivers | grep "^$name ")
+    read -r _ model setup argument < <(all_drivers | grep "^$name ")
     log=$folder/logs/$name.setup.log
     # In a process of its own, which ends at the first step that fails; in a condition it would go on.
     set +e
@@ -68,7 +69,7 @@ for name in "${names[@]}"; do
     status=$?
     set -e
     if [ "$status" -eq 0 ]; then
-        compare "$name"
+        compare "$name" "$model"
     else
         not_run "$name" "$(last_line "$log")"
     fi

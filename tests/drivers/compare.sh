@@ -36,17 +36,17 @@ with_driver() {
     fi
 }
 
-# Adds the row of a driver that was set up.
+# Compares a driver that was set up with a model and adds its row.
 compare() {
-    local name=$1 kind root icd version result states tests='-' started=$SECONDS
+    local name=$1 model=$2 kind root icd version result states tests='-' started=$SECONDS
     { read -r kind; read -r root; read -r icd; read -r version || true; } <"$folder/logs/$name.driver"
     local log=$folder/logs/$name
     result=$target/drivers-$name.json
     rm -f "$result"
-    local arguments=(--level quick --model llvmpipe --adapter llvmpipe)
-    [ "$kind" = mesa ] || arguments=(--level quick --model swiftshader --adapter SwiftShader)
+    # `llvmpipe` or `swiftshader` is also part of the adapter's name.
     local status=0
-    with_driver "$root" "$icd" "$outmerge" conform "${arguments[@]}" --json-file "$result" >"$log.conform.log" 2>&1 || status=$?
+    with_driver "$root" "$icd" "$outmerge" conform --level quick --adapter "${model%%:*}" --model "$model" \
+        --json-file "$result" >"$log.conform.log" 2>&1 || status=$?
     case $status in
         0) ;;
         1) differ=yes ;;
@@ -75,7 +75,7 @@ run_crosscheck() {
     # A driver that crashes takes the count of its tests with it.
     counts=$(grep -oE '[0-9]+ passed; [0-9]+ failed' "$3" | tr -d ';') || counts="ended with status $status"
     grep -E '^test .*FAILED$' "$3" >&2 || true
-    echo "$counts" | sed 's/passed /passed, /'
+    echo "${counts/passed/passed,}"
 }
 
 # This machine's processor, as its vendor counts.

@@ -44,7 +44,7 @@ has_mesa() { compgen -G "$1/usr/share/vulkan/icd.d/lvp_icd*.json" >/dev/null; }
 bootstrap() {
     local suite=$1 root=$2
     shift 2
-    local options=(--variant=minbase --mode=root --include=mesa-vulkan-drivers,libvulkan1 "$@")
+    local options=(--variant=minbase --mode=root --include=mesa-vulkan-drivers --include=libvulkan1 "$@")
     case $suite in
         *-backports)
             # Backports are not a whole suite: its packages come first, the others from the suite below.
@@ -69,6 +69,7 @@ retry_expired() {
 
 # Where apt has a suite from.
 mirror_of() {
+    # shellcheck disable=SC2016
     apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' "Codename: $1" | head -1
 }
 
