@@ -40,7 +40,7 @@ impl Subject {
         let model = registry::by_name_among(name, drivers)?;
         let llvmpipe = registry::llvmpipe(name, drivers)?;
         let name = model.name();
-        let exhaustive = llvmpipe.is_some() || matches!(name.as_str(), "f32" | "swiftshader");
+        let exhaustive = llvmpipe.is_some() || name == "f32" || name.starts_with("swiftshader");
         Ok(Self { name, model, llvmpipe, exhaustive })
     }
 }

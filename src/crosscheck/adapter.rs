@@ -13,6 +13,7 @@ use wgpu::{Backends, Features};
 
 use crate::model::llvmpipe::{Estimate, Generation, Llvmpipe, VectorWidth};
 use crate::model::registry::Drivers;
+use crate::model::swiftshader::{self, SwiftShader};
 use crate::processor::Processor;
 use crate::vectors::DriverRecord;
 
@@ -165,7 +166,17 @@ impl AdapterReport {
                 estimate: Estimate::host().unwrap_or(newest.estimate),
             },
         };
-        Drivers { llvmpipe }
+        Drivers { llvmpipe, swiftshader: self.swiftshader() }
+    }
+
+    /// The SwiftShader that this adapter's library is, if it is a known build; else the present one.
+    fn swiftshader(&self) -> SwiftShader {
+        let build = if self.name.contains("SwiftShader") { super::library::of_adapter(self) } else { None };
+        let version = build.and_then(|library| library.known_as).and_then(|name| {
+            let digits = name.strip_prefix("Chromium ")?.split(|c: char| !c.is_ascii_digit()).next()?.to_owned();
+            swiftshader::Generation::from_parameter(&format!("chromium={digits}")).ok()
+        });
+        version.map_or_else(SwiftShader::default, |generation| SwiftShader { generation })
     }
 
     /// What to tell the user of a driver whose version no model was proven on.

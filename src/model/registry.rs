@@ -6,7 +6,7 @@ use super::binary32::Binary32;
 use super::exact::Exact;
 use super::fixed::{FixedPoint, FixedSpecError};
 use super::llvmpipe::{Estimate, Generation, Llvmpipe, LlvmpipeName, LlvmpipeNameError, VectorWidth};
-use super::swiftshader::SwiftShader;
+use super::swiftshader::{self, SwiftShader};
 use crate::format::Rounding;
 
 /// A model name that names nothing.
@@ -18,13 +18,16 @@ pub enum ModelNameError {
     /// A fixed-point model with a wrong parameter.
     #[error(transparent)]
     Fixed(#[from] FixedSpecError),
+    /// A SwiftShader of no known build.
+    #[error(transparent)]
+    SwiftShader(#[from] swiftshader::GenerationError),
     /// A llvmpipe with a wrong parameter.
     #[error(transparent)]
     Llvmpipe(#[from] LlvmpipeNameError),
 }
 
 /// The short names that [`by_name`] takes; `fixed` and `llvmpipe` also take other parameters after a colon.
-pub const NAMES: [&str; 11] = [
+pub const NAMES: [&str; 12] = [
     "exact",
     "exact:ties-away",
     "f32",
@@ -36,6 +39,7 @@ pub const NAMES: [&str; 11] = [
     "llvmpipe:mesa=26.1",
     "llvmpipe:128",
     "swiftshader",
+    "swiftshader:chromium=110",
 ];
 
 /// The drivers that plain names stand for: those of an adapter where one is at hand, else the newest that were proven, with a
@@ -44,6 +48,8 @@ pub const NAMES: [&str; 11] = [
 pub struct Drivers {
     /// What a name that begins with `llvmpipe` leaves unsaid.
     pub llvmpipe: Llvmpipe,
+    /// What `swiftshader` alone means.
+    pub swiftshader: SwiftShader,
 }
 
 /// The model with this name.
@@ -68,11 +74,14 @@ pub fn by_name_among(name: &str, drivers: Drivers) -> Result<Box<dyn NumericMode
         "exact:toward-zero" => Box::new(Exact { rounding: Rounding::TowardZero }),
         "f32" => Box::new(Binary32),
         "f16" => Box::new(Binary16),
-        "swiftshader" => Box::new(SwiftShader),
+        "swiftshader" => Box::new(drivers.swiftshader),
         "fixed" => Box::new(FixedPoint::default()),
         _ => match name.strip_prefix("fixed:") {
             Some(spec) => Box::new(spec.parse::<FixedPoint>()?),
-            None => return Err(ModelNameError::Unknown(name.to_owned())),
+            None => match name.strip_prefix("swiftshader:") {
+                Some(build) => Box::new(SwiftShader { generation: swiftshader::Generation::from_parameter(build)? }),
+                None => return Err(ModelNameError::Unknown(name.to_owned())),
+            },
         },
     })
 }
@@ -101,7 +110,7 @@ pub fn all_among(drivers: Drivers) -> Vec<Box<dyn NumericModel>> {
         Box::new(Binary16),
         Box::new(FixedPoint::default()),
         Box::new(drivers.llvmpipe),
-        Box::new(SwiftShader),
+        Box::new(drivers.swiftshader),
     ]
 }
 
@@ -123,7 +132,10 @@ pub fn every_generation() -> Vec<Box<dyn NumericModel>> {
     let older = every_llvmpipe()
         .filter(move |model| model.vector_width == newest.vector_width && model.estimate == newest.estimate)
         .filter(move |model| model.generation != newest.generation);
-    all().into_iter().chain(older.map(|model| Box::new(model) as Box<dyn NumericModel>)).collect()
+    let swiftshaders = swiftshader::Generation::ALL.into_iter().filter(|generation| *generation != Default::default());
+    let swiftshaders = swiftshaders.map(|generation| Box::new(SwiftShader { generation }) as Box<dyn NumericModel>);
+    let older = older.map(|model| Box::new(model) as Box<dyn NumericModel>);
+    all().into_iter().chain(older).chain(swiftshaders).collect()
 }
 
 #[cfg(test)]
@@ -144,7 +156,7 @@ mod tests {
     fn an_adapter_s_driver_fills_in_what_a_name_leaves_unsaid() {
         let llvmpipe =
             Llvmpipe { generation: Generation::Mesa22_3, estimate: Estimate::AmdZen5, ..Llvmpipe::default() };
-        let name = |name| by_name_among(name, Drivers { llvmpipe }).map(|model| model.name());
+        let name = |name| by_name_among(name, Drivers { llvmpipe, ..Drivers::default() }).map(|model| model.name());
         assert_eq!(name("llvmpipe").as_deref(), Ok("llvmpipe:mesa=22.3,rsqrt=amd-zen5"));
         assert_eq!(name("llvmpipe:mesa=25.0").as_deref(), Ok("llvmpipe:mesa=25.0,rsqrt=amd-zen5"));
         assert_eq!(by_name("llvmpipe").map(|model| model.name()).as_deref(), Ok("llvmpipe:mesa=26.1,rsqrt=intel-xeon"));

@@ -1,7 +1,8 @@
 //! The `swiftshader` model: SwiftShader's Vulkan driver as Chromium ships it, bit for bit.
 //!
-//! Provenance: the library in Debian's `chromium-common` package (Subzero backend, x86-64 with SSE4.1), whose public
-//! source tells the method; checked by `outmerge conform --adapter SwiftShader --model swiftshader`.
+//! Provenance: the libraries of Debian's `chromium-common` package and of other builds (Subzero backend, x86-64 with SSE4.1),
+//! whose public source tells the method; checked by `outmerge conform --adapter SwiftShader --model swiftshader`. Builds store
+//! alike by [`Generation`].
 //!
 //! The driver follows the specification's equation in binary32 on every format, nothing fused, so this model is an
 //! [`Arithmetic`] and differs from the `f32` model in its conversions only:
@@ -18,9 +19,12 @@
 //! | NaN | 0 from the shader and in unorm stores; the largest code after the sRGB curve, where a blend constant brought it |
 //! | constant factors 0 and 1 | some equations are shortened before drawing (`shortcut`) |
 
+pub mod generation;
 pub mod half;
 mod shortcut;
 pub mod srgb;
+
+pub use generation::{Generation, GenerationError};
 
 use wgpu_types::BlendState;
 
@@ -32,9 +36,12 @@ use crate::merger::blend::{self, Steps, blend};
 use crate::merger::encode::encode;
 use crate::state::reads_second_source;
 
-/// The SwiftShader model.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct SwiftShader;
+/// The SwiftShader model, of the present generation by default.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct SwiftShader {
+    /// Builds of the driver.
+    pub generation: Generation,
+}
 
 /// Denormal operands and results are zeros of the same sign: the driver computes with FTZ and DAZ set.
 fn flush(x: f32) -> f32 {
@@ -150,6 +157,9 @@ impl Arithmetic for SwiftShader {
     }
 
     fn encode(&self, x: &f32, kind: ChannelKind) -> u32 {
+        if let Some(code) = self.generation.unorm_code(unit(*x), kind) {
+            return code;
+        }
         match kind {
             ChannelKind::Srgb => encode_scaled(unit(srgb::encode(*x)), ChannelKind::Unorm(8), |x, steps| x * steps),
             ChannelKind::Float(layout) => half::encode(layout, *x),
@@ -178,12 +188,14 @@ impl SwiftShader {
 
 impl NumericModel for SwiftShader {
     fn name(&self) -> String {
-        "swiftshader".to_owned()
+        format!("swiftshader:chromium={}", self.generation)
     }
 
     fn provenance(&self) -> String {
-        "SwiftShader's Vulkan driver as shipped with Debian's Chromium 156, x86-64; public source, checked through wgpu"
-            .to_owned()
+        let (range, evidence) = (self.generation.range(), self.generation.evidence());
+        format!(
+            "SwiftShader's Vulkan driver as shipped with Chromium {range}, x86-64; public source, checked through wgpu: {evidence}"
+        )
     }
 
     fn supports(&self, format: ColorFormat, blend: Option<&BlendState>) -> Result<(), Unsupported> {
@@ -254,7 +266,7 @@ mod tests {
             operation: BlendOperation::Add,
         };
         let stored = |format, src| {
-            SwiftShader.merge_color(&ColorInputs {
+            SwiftShader::default().merge_color(&ColorInputs {
                 format: ColorFormat::from_name(format).expect("a format"),
                 blend: Some(BlendState { color: both, alpha: both }),
                 constant: [f32::NAN, 0.361_641_65, 0.823_628, 0.293_252_2],
@@ -270,9 +282,9 @@ mod tests {
 
     #[test]
     fn where_numbers_do_not_compare_the_second_operand_counts() {
-        assert!(SwiftShader.minimum(&1.0, &f32::NAN).is_nan(), "second");
-        assert_eq!(SwiftShader.minimum(&f32::NAN, &1.0), 1.0, "second");
-        assert_eq!(SwiftShader.saturate(&0.25, &f32::NAN), 0.25, "the room is the first operand");
+        assert!(SwiftShader::default().minimum(&1.0, &f32::NAN).is_nan(), "second");
+        assert_eq!(SwiftShader::default().minimum(&f32::NAN, &1.0), 1.0, "second");
+        assert_eq!(SwiftShader::default().saturate(&0.25, &f32::NAN), 0.25, "the room is the first operand");
         assert_eq!(unit(f32::NAN), 0.0, "clamps give 0");
     }
 
@@ -280,7 +292,11 @@ mod tests {
     fn every_8_bit_code_survives_load_and_store() {
         for code in 0..=255 {
             for kind in [ChannelKind::Unorm(8), ChannelKind::Srgb] {
-                assert_eq!(SwiftShader.encode(&SwiftShader.decode(code, kind), kind), code, "{kind:?} {code}");
+                assert_eq!(
+                    SwiftShader::default().encode(&SwiftShader::default().decode(code, kind), kind),
+                    code,
+                    "{kind:?} {code}"
+                );
             }
         }
     }

@@ -43,7 +43,7 @@ pub(super) fn apply(inputs: &ColorInputs, mut steps: Steps<f32>) -> Steps<f32> {
             Some(Short::Destination) => steps.operands.dst[i],
         };
         steps.result[i] = value;
-        steps.clamped[i] = SwiftShader.clamp(&value, class);
+        steps.clamped[i] = SwiftShader::default().clamp(&value, class);
     }
     steps
 }
@@ -65,8 +65,12 @@ mod tests {
                 src1: [0.0; 4],
                 dst: [dst; 4],
             };
-            assert_eq!(SwiftShader.explain_color(&inputs).codes, SwiftShader.merge_color(&inputs), "explained alike");
-            SwiftShader.merge_color(&inputs)[0]
+            assert_eq!(
+                SwiftShader::default().explain_color(&inputs).codes,
+                SwiftShader::default().merge_color(&inputs),
+                "explained alike"
+            );
+            SwiftShader::default().merge_color(&inputs)[0]
         };
         let stored = |src_factor, operation, dst_factor, src, dst| {
             stored_in("rgba16float", [BlendComponent { src_factor, operation, dst_factor }; 2], src, dst)

@@ -90,7 +90,7 @@ mod tests {
     #[test]
     fn the_inputs_next_to_a_threshold_get_the_codes_the_device_stores() {
         for (bits, code) in AT_THRESHOLDS {
-            let got = SwiftShader.encode(&f32::from_bits(bits), ChannelKind::Srgb);
+            let got = SwiftShader::default().encode(&f32::from_bits(bits), ChannelKind::Srgb);
             assert_eq!(got, code, "store of {bits:#010x}");
         }
     }
@@ -98,7 +98,7 @@ mod tests {
     #[test]
     fn two_floats_on_the_next_code_begins() {
         for (bits, code) in AT_THRESHOLDS {
-            let got = SwiftShader.encode(&f32::from_bits(bits + 2), ChannelKind::Srgb);
+            let got = SwiftShader::default().encode(&f32::from_bits(bits + 2), ChannelKind::Srgb);
             assert_eq!(got, code + 1, "store of {:#010x}", bits + 2);
         }
     }

@@ -9,7 +9,7 @@ use crate::{
     crosscheck::Device,
     crosscheck::drawn::{Agreement, Drawer, Drawn},
     crosscheck::raster::of_llvmpipe_here,
-    model::{NumericModel, exact::Exact, swiftshader::SwiftShader},
+    model::{NumericModel, exact::Exact},
     report::difference::{Difference, Differences},
     scene::raster::Rasteriser,
     scene::{Picture, PictureAlpha, Scene},
@@ -135,7 +135,9 @@ fn modelled(device: &Device) -> (Box<dyn NumericModel>, Rasteriser, u8) {
     let llvmpipe = device.report().drivers().llvmpipe;
     match device.report().name.as_str() {
         name if name.contains("llvmpipe") => (Box::new(llvmpipe), of_llvmpipe_here(llvmpipe.generation), 8),
-        name if name.contains("SwiftShader") => (Box::new(SwiftShader), Rasteriser::Reference, 4),
+        name if name.contains("SwiftShader") => {
+            (Box::new(device.report().drivers().swiftshader), Rasteriser::Reference, 4)
+        }
         _ => (Box::new(Exact::default()), Rasteriser::Reference, 8),
     }
 }
