@@ -86,7 +86,7 @@ const TEXELS: usize = 32;
 
 /// Questions of each source of [`telling`](mod@super::telling), whether or not they tell candidates apart: a driver with a rule
 /// that no candidate has is found by these.
-const AIMED: usize = 64;
+const AIMED: usize = 128;
 
 /// Telling questions for each pair that is left, on each format.
 const TELLING: usize = 12;

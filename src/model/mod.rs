@@ -92,6 +92,12 @@ pub trait NumericModel: Debug + Send + Sync {
         exact::Exact::default().merge_color(&inputs)
     }
 
+    /// Whether [`clear_color`](Self::clear_color) and [`clear_depth`](Self::clear_depth) are known to be the driver's. Comparisons
+    /// leave out the clears of models where they are not.
+    fn knows_clears(&self) -> bool {
+        true
+    }
+
     /// The depth code that `LoadOp::Clear` stores for a depth, 0 to 1. The default rounds once, correctly.
     fn clear_depth(&self, kind: DepthKind, z: f32) -> u32 {
         kind.encode(z, [0.0, 1.0])

@@ -147,7 +147,7 @@ fn an_interrupted_run_goes_on_after_its_last_finished_unit() {
 
     sweep("third.json", "full")
         .code(2)
-        .stderr(predicate::str::contains("another adapter, level, models or specifications"));
+        .stderr(predicate::str::contains("another adapter, driver, processor, level, models or specifications"));
 }
 
 #[cfg(feature = "gl")]

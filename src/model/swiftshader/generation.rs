@@ -4,8 +4,12 @@
 //! in [`Generation::ALL`], its range and evidence, and what its stores do in [`Generation::unorm_code`].
 
 use std::fmt;
+use std::sync::LazyLock;
 
-use crate::format::ChannelKind;
+use num_traits::ToPrimitive;
+
+use crate::format::{ChannelKind, srgb};
+use crate::model::binary32;
 
 /// Builds of SwiftShader that store the same bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -97,6 +101,21 @@ impl fmt::Display for Generation {
     }
 }
 
+/// The linear value that the older builds load for an sRGB code: the code is repeated to 16 bits, of which a table looks at twelve
+/// and answers with the nearest 16-bit code.
+pub(super) fn srgb_by_table(code: u32) -> f32 {
+    static LINEAR: LazyLock<[f32; 256]> =
+        LazyLock::new(|| std::array::from_fn(|code| linear_16(code) * (1.0 / 65535.0)));
+    LINEAR[code as usize & 0xff]
+}
+
+/// The 16-bit code, as a number, of the linear value that is loaded for an sRGB code.
+fn linear_16(code: usize) -> f32 {
+    let index = (u32::try_from(code).expect("8 bits") * 257 + 7) >> 4;
+    let linear = srgb::enclose_linear(index, 4095, 64).lo.to_f64().unwrap_or(0.0);
+    binary32::narrow((linear * 65535.0).round())
+}
+
 /// The 16-bit code below a number in [0, 1].
 fn sixteen(x: f32) -> u32 {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an integer from 0 to 65535")]
@@ -143,6 +162,16 @@ mod tests {
         for index in 0..=4095_u16 {
             let stored: u32 = SRGB.iter().map(|first| u32::from(index >= *first)).sum();
             assert_eq!(stored, code(index), "index {index}");
+        }
+    }
+
+    /// What a reverse-subtracting blend shows of the loaded value on the build of 110.
+    #[test]
+    fn srgb_codes_load_as_they_were_measured() {
+        for (code, linear) in
+            [(0, 0.0), (1, 20.0), (9, 180.0), (41, 1455.0), (100, 8353.0), (184, 31_416.0), (255, 65_535.0)]
+        {
+            assert_eq!(linear_16(code), linear, "code {code}");
         }
     }
 

@@ -97,6 +97,7 @@ impl Arithmetic for SwiftShader {
         match kind {
             ChannelKind::Absent => 0.0,
             ChannelKind::Unorm(bits) => small_to_f32(repeat_to_16(code, bits)) * (1.0 / 65535.0),
+            ChannelKind::Srgb if self.generation == Generation::Chromium110 => generation::srgb_by_table(code),
             ChannelKind::Srgb => srgb::decode(small_to_f32(repeat_to_16(code, 8)) * (1.0 / 65535.0)),
             ChannelKind::Float(layout) => half::decode(layout, code),
             // Not rendered to by the driver; see `supports`.
@@ -207,6 +208,11 @@ impl NumericModel for SwiftShader {
             return unsupported("the driver has no second blend source");
         }
         Ok(())
+    }
+
+    /// They were not measured.
+    fn knows_clears(&self) -> bool {
+        false
     }
 
     fn merge_color(&self, inputs: &ColorInputs) -> Codes {
