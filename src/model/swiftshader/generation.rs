@@ -8,6 +8,7 @@ use std::sync::LazyLock;
 
 use num_traits::ToPrimitive;
 
+use super::unit;
 use crate::format::{ChannelKind, srgb};
 use crate::model::binary32;
 
@@ -72,12 +73,14 @@ impl Generation {
         Self::ALL.into_iter().find(has).ok_or_else(error)
     }
 
-    /// The code of a number in [0, 1] for a channel that this generation stores in a way of its own: through 16-bit codes, of which
+    /// The code of a number, clamped to [0, 1], for a channel that this generation stores in a way of its own: through 16-bit codes, of which
     /// an sRGB channel looks at twelve bits. `None` for others.
     pub(super) fn unorm_code(self, x: f32, kind: ChannelKind) -> Option<u32> {
         if self != Self::Chromium110 {
             return None;
         }
+        // A NaN that a blend constant brought is the largest code; the shader's are 0 before.
+        let x = if x.is_nan() { 1.0 } else { unit(x) };
         match kind {
             ChannelKind::Unorm(bits) if bits < 16 => {
                 let q = sixteen(x);
@@ -111,7 +114,7 @@ pub(super) fn srgb_by_table(code: u32) -> f32 {
 
 /// The 16-bit code, as a number, of the linear value that is loaded for an sRGB code.
 fn linear_16(code: usize) -> f32 {
-    let index = (u32::try_from(code).expect("8 bits") * 257 + 7) >> 4;
+    let index = ((u32::try_from(code).expect("8 bits") * 257 + 7) >> 4).min(4095);
     let linear = srgb::enclose_linear(index, 4095, 64).lo.to_f64().unwrap_or(0.0);
     binary32::narrow((linear * 65535.0).round())
 }

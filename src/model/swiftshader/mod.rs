@@ -158,7 +158,7 @@ impl Arithmetic for SwiftShader {
     }
 
     fn encode(&self, x: &f32, kind: ChannelKind) -> u32 {
-        if let Some(code) = self.generation.unorm_code(unit(*x), kind) {
+        if let Some(code) = self.generation.unorm_code(*x, kind) {
             return code;
         }
         match kind {
