@@ -101,7 +101,7 @@ impl Report {
                 let bar = progress(scenes.len(), "drawing scenes")?;
                 let report = report::device::draw(&device, scenes, &|| bar.inc(1));
                 bar.finish_and_clear();
-                Ok(DeviceSection::Run(report))
+                Ok(DeviceSection::Run(Box::new(report)))
             }
             Err(error) if self.adapter.is_some() => Err(error.into()),
             Err(error) => Ok(DeviceSection::NotRun { reason: error.to_string() }),

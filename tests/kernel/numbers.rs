@@ -15,7 +15,19 @@ const TEXELS: u32 = 101;
 /// Numbers: codes, ties between them and their neighbours, powers of two that make sums ties, any from 0 to 1, and what
 /// lies beyond.
 fn number(bytes: &mut Bytes) -> f32 {
-    const BEYOND: [f32; 8] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -0.0, -0.25, 1.75, 1e-40, 3e38];
+    const BEYOND: [f32; 10] = [
+        f32::NAN,
+        // Signalling ones, which some processors' maximum does not take for a missing number.
+        f32::from_bits(0x7f80_0001),
+        f32::from_bits(0xff80_0001),
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+        -0.0,
+        -0.25,
+        1.75,
+        1e-40,
+        3e38,
+    ];
     let [kind, a, b, c] = std::array::from_fn(|_| bytes.next());
     let fraction = f32::from(u16::from_le_bytes([a, b])) / 65_536.0 + f32::from(c) / 16_777_216.0;
     let nudge = |x: f32| f32::from_bits(x.to_bits().saturating_add_signed(i32::from(b % 5) - 2));

@@ -79,12 +79,12 @@ fn exhaustive(name: &str, blend: BlendState) {
 
 #[test]
 fn every_source_destination_and_alpha_of_straight_over() {
-    MODELS.into_iter().for_each(|name| exhaustive(name, BlendState::ALPHA_BLENDING));
+    MODELS.iter().for_each(|name| exhaustive(name, BlendState::ALPHA_BLENDING));
 }
 
 #[test]
 fn every_source_destination_and_alpha_of_premultiplied_over() {
-    MODELS.into_iter().for_each(|name| exhaustive(name, BlendState::PREMULTIPLIED_ALPHA_BLENDING));
+    MODELS.iter().for_each(|name| exhaustive(name, BlendState::PREMULTIPLIED_ALPHA_BLENDING));
 }
 
 #[test]

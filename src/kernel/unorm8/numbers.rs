@@ -266,10 +266,13 @@ fn low_half(bits: u64) -> u32 {
 /// Numbers of a plane, clamped to [0, 1], NaN as 0.
 #[inline(always)]
 fn load<R: Real>(plane: &[f32], numbers: &mut [R; LANES]) {
+    const ONE: u32 = 1.0_f32.to_bits();
+    const INFINITY: u32 = f32::INFINITY.to_bits();
     for (number, x) in numbers.iter_mut().zip(plane) {
-        // The second operand where a comparison fails: NaN becomes 0.
-        let positive = if *x > 0.0 { *x } else { 0.0 };
-        *number = R::of(if positive < 1.0 { positive } else { 1.0 });
+        // Bits of numbers that are not negative are in the numbers' order, and all others are larger. A comparison of the
+        // numbers would become ARM's maximum, which gives 1 in the end for a signalling NaN.
+        let bits = x.to_bits();
+        *number = R::of(f32::from_bits(if bits <= INFINITY { bits.min(ONE) } else { 0 }));
     }
 }
 

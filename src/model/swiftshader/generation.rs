@@ -1,7 +1,7 @@
 //! Driver generations: which builds of Chromium store the same bytes.
 //!
 //! SwiftShader reports no version of its own, so a generation goes by the browser it ships with. To add one: a variant, its entry
-//! in [`Generation::ALL`], its range and evidence, and what its stores do in [`Generation::unorm_code`].
+//! in [`Generation::ALL`], its range and evidence, and what its stores do in `Generation::unorm_code`.
 
 use std::fmt;
 use std::sync::LazyLock;

@@ -28,7 +28,7 @@ pub enum DeviceSection {
     },
     /// The device drew the scenes.
     #[cfg(feature = "gpu")]
-    Run(DeviceReport),
+    Run(Box<DeviceReport>),
 }
 
 impl std::fmt::Display for DeviceSection {
