@@ -256,7 +256,7 @@ pub fn units(level: Level) -> Vec<Unit> {
     let equal = |format: ColorFormat, texels: u32| equal_part(format, texels, 0);
     let blendable = |format: &ColorFormat| format.class() != TargetClass::Snorm;
     // Formats on which some two drivers differ. What is no blending costs little. Both are the same at the quick and the full level.
-    let telling = formats.iter().copied().filter(|format| !super::telling::pairs(*format).is_empty());
+    let telling = formats.iter().copied().filter(|format| super::telling::has(*format));
     let telling = telling.map(|format| Unit::Telling { format });
     let others = || {
         let clears = formats.iter().map(|format| format.texture_format()).chain(DEPTHS);

@@ -1,31 +1,57 @@
 //! States that tell the drivers' generations, vector widths and processors apart, on every format where they differ.
 //!
 //! Random states see a rare rule by luck; these are found by [`identify::telling`](crate::identify::telling()), from the models
-//! alone and the same on every run.
+//! alone. They are recorded in `telling.jsonl`, so that a mistake in a model cannot hide the states that show it; a test finds them
+//! again (`OUTMERGE_BLESS=1 cargo test --all-features --lib telling` records them anew).
 
-use wgpu_types::{BlendState, ColorWrites};
+use std::sync::LazyLock;
 
 use super::blend::run_states;
 use super::run::{Subject, Tally};
 use crate::crosscheck::{Device, ReplayError};
-use crate::format::{ChannelKind, ColorFormat};
-use crate::identify::telling;
-use crate::model::llvmpipe::{Estimate, Generation, Llvmpipe, VectorWidth};
-use crate::model::{ColorInputs, NumericModel};
+use crate::format::ColorFormat;
 use crate::vectors::VectorLine;
+#[cfg(test)]
+use {
+    crate::format::ChannelKind,
+    crate::identify::telling,
+    crate::model::llvmpipe::{Estimate, Generation, Llvmpipe, VectorWidth},
+    crate::model::{ColorInputs, NumericModel},
+    wgpu_types::{BlendState, ColorWrites},
+};
 
 /// Questions for each pair of drivers, shared among the sources of the search.
+#[cfg(test)]
 const QUESTIONS: usize = 48;
 
 /// Texels of a draw: a row of the device's copies.
 const TEXELS: usize = 256;
 
 /// Two drivers that store different bytes for some state on a format.
-pub(super) type Pair = [Box<dyn NumericModel>; 2];
+#[cfg(test)]
+type Pair = [Box<dyn NumericModel>; 2];
+
+/// The questions, a state a line, without results.
+const RECORDED: &str = include_str!("telling.jsonl");
+
+/// The formats that have questions.
+#[must_use]
+pub(super) fn has(format: ColorFormat) -> bool {
+    recorded().iter().any(|line| line.format == format)
+}
+
+/// The recorded questions.
+fn recorded() -> &'static [VectorLine] {
+    static LINES: LazyLock<Vec<VectorLine>> = LazyLock::new(|| {
+        let line = |text| VectorLine::parse(text).expect("the project's own file holds color lines");
+        RECORDED.lines().map(line).collect()
+    });
+    &LINES
+}
 
 /// The pairs of drivers that differ on a format by one thing alone, according to their rules.
-#[must_use]
-pub(super) fn pairs(format: ColorFormat) -> Vec<Pair> {
+#[cfg(test)]
+fn pairs(format: ColorFormat) -> Vec<Pair> {
     let boxed = |a: Llvmpipe, b: Llvmpipe| -> Pair { [Box::new(a), Box::new(b)] };
     let newest = Llvmpipe::default();
     let channels = format.channels();
@@ -42,9 +68,7 @@ pub(super) fn pairs(format: ColorFormat) -> Vec<Pair> {
         pairs.push(boxed(newest, Llvmpipe { vector_width: VectorWidth::Bits128, ..newest }));
     }
     if channels[0] == ChannelKind::Srgb {
-        let known = Estimate::RECORDED;
-        let host = Estimate::host().filter(|host| known.iter().all(|known| known.table() != host.table()));
-        let estimates: Vec<Estimate> = known.into_iter().chain(host).collect();
+        let estimates = Estimate::RECORDED;
         for (i, a) in estimates.iter().enumerate() {
             let of = |estimate: &Estimate| Llvmpipe { estimate: *estimate, ..newest };
             pairs.extend(estimates[i + 1..].iter().map(|b| boxed(of(a), of(b))));
@@ -54,6 +78,7 @@ pub(super) fn pairs(format: ColorFormat) -> Vec<Pair> {
 }
 
 /// Whether two generations blend differently on a format, in a way that one texel decides.
+#[cfg(test)]
 fn differ(a: Generation, b: Generation, format: ColorFormat) -> bool {
     let decided = |generation: Generation| {
         let words = generation.rules().words(format).into_iter();
@@ -64,8 +89,15 @@ fn differ(a: Generation, b: Generation, format: ColorFormat) -> bool {
 }
 
 /// The questions of a format in draws: 256 texels of one state and constant each.
-#[must_use]
-pub(super) fn lines(format: ColorFormat) -> Vec<VectorLine> {
+fn lines(format: ColorFormat) -> Vec<VectorLine> {
+    let mut lines: Vec<VectorLine> = recorded().iter().filter(|line| line.format == format).cloned().collect();
+    lines.iter_mut().for_each(fill_up);
+    lines
+}
+
+/// The questions of a format, found by the search.
+#[cfg(test)]
+fn found(format: ColorFormat) -> Vec<VectorLine> {
     let mut lines: Vec<VectorLine> = Vec::new();
     for [a, b] in pairs(format) {
         for mut inputs in telling(a.as_ref(), b.as_ref(), format, QUESTIONS, 1) {
@@ -75,15 +107,16 @@ pub(super) fn lines(format: ColorFormat) -> Vec<VectorLine> {
             add(&mut lines, &inputs);
         }
     }
-    lines.iter_mut().for_each(fill_up);
     lines
 }
 
+#[cfg(test)]
 fn uses_constant(blend: &BlendState) -> bool {
     blend.color.uses_constant() || blend.alpha.uses_constant()
 }
 
 /// Puts a question into the line of its state, made if there is none with room.
+#[cfg(test)]
 fn add(lines: &mut Vec<VectorLine>, inputs: &ColorInputs) {
     let bits = |color: [f32; 4]| color.map(f32::to_bits);
     let fits = |line: &VectorLine| {
@@ -142,6 +175,17 @@ mod tests {
     use super::*;
     use crate::format::layout::FORMATS;
     use crate::identify::telling::tells;
+
+    #[test]
+    fn the_recorded_questions_are_those_the_search_finds() {
+        let formats = FORMATS.iter().map(|(_, format)| ColorFormat::new(*format).expect("listed"));
+        let text: String = formats.flat_map(found).map(|line| line.to_json() + "\n").collect();
+        if std::env::var_os("OUTMERGE_BLESS").is_some() {
+            let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/conform/telling.jsonl");
+            std::fs::write(path, &text).expect("writable");
+        }
+        assert!(text == RECORDED, "record them anew: see the module's page");
+    }
 
     #[test]
     fn every_pair_of_drivers_is_told_apart_by_a_texel_of_every_format_they_differ_on() {
