@@ -38,8 +38,8 @@ step 'A Debian 12 with an ARM compiler and emulator'
 install_packages mmdebstrap:mmdebstrap jq:jq unshare:util-linux
 if [ ! -x "$root/usr/bin/qemu-aarch64" ]; then
     rm -rf "$root"
-    packages=rustc-web,cargo-web,gcc,libc6-dev,libstd-rust-web-dev:arm64,gcc-aarch64-linux-gnu,libc6-dev-arm64-cross,libc6:arm64,qemu-user
-    mmdebstrap --variant=minbase --mode=root --architectures=amd64,arm64 --include="$packages" bookworm "$root" >&2 ||
+    system=rustc-web,cargo-web,gcc,libc6-dev,libstd-rust-web-dev:arm64,gcc-aarch64-linux-gnu,libc6-dev-arm64-cross,libc6:arm64,qemu-user
+    mmdebstrap --variant=minbase --mode=root --architectures=amd64,arm64 --include="$system" bookworm "$root" >&2 ||
         { echo "not run: the system could not be set up in $root" >&2; rm -rf "$root"; exit 3; }
 fi
 cargo fetch --locked --target "$target"

@@ -10,28 +10,9 @@
 # Exit status: 0 all as their models say, 1 a difference or a failed test, 2 usage, 3 a driver was not run.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+. tests/drivers/list.sh
 . tests/drivers/setup.sh
 . tests/drivers/compare.sh
-
-# One driver a line: its name, the model it must match, the function of tests/drivers/setup.sh that sets it up, and what
-# that is given.
-all_drivers() {
-    cat <<'LIST'
-installed           llvmpipe                  installed_mesa
-bookworm-backports  llvmpipe                  debian_mesa bookworm-backports
-trixie              llvmpipe                  debian_mesa trixie
-forky               llvmpipe                  debian_mesa forky
-sid                 llvmpipe                  debian_mesa sid
-chromium-109        swiftshader:chromium=110  npm_swiftshader 109
-chromium-110        swiftshader:chromium=110  npm_swiftshader 110
-chromium-111        swiftshader               npm_swiftshader 111
-chromium-119        swiftshader               npm_swiftshader 119
-chromium-131        swiftshader               npm_swiftshader 131
-chromium-143        swiftshader               npm_swiftshader 143
-chromium-153        swiftshader               npm_swiftshader 153
-chromium-debian     swiftshader               debian_swiftshader
-LIST
-}
 
 usage() {
     sed -n '2,/^set/{/^#/s/^# \?//p}' "$0" >&2

@@ -4,14 +4,9 @@
 # usage: tests/mutations/run.sh [PART-OF-A-NAME]
 set -euo pipefail
 cd "$(dirname "$0")/../.."
+. tests/mutations/blocks.sh
 only=${1:-}
-
-copy=$(mktemp -d)
-trap 'rm -rf "$copy"' EXIT
-# The working tree, as far as git knows it; new times, so that cargo takes nothing of another copy for fresh.
-git ls-files -z | tar --null --files-from=- --create --file=- 2>/dev/null | tar --extract --touch --file=- --directory="$copy"
-export CARGO_TARGET_DIR=${OUTMERGE_MUTATION_TARGET:-$copy/target}
-export CARGO_PROFILE_DEV_DEBUG=0
+copy_tree
 
 unit=(cargo test --locked --quiet --no-default-features --lib)
 laws=(cargo test --locked --quiet --no-default-features --features json,proptest,scene --test laws)
@@ -28,22 +23,15 @@ try "${laws[@]}" || { cat "$copy/log"; echo 'the unmutated laws fail' >&2; exit 
 caught=0 survivors=() broken=()
 # One mutation: changes the file in the copy, tests, and puts the file back.
 check() {
-    local name=$1 file=$2 find=$3 replace=$4 text by status=0
+    local name=$1 file=$2 find=$3 replace=$4 by='unit tests' status=0
     case $name in *"$only"*) ;; *) return 0 ;; esac
-    text=$(cat "$file"; printf x)
-    text=${text%x}
-    if [ "${text/"$find"/}" = "$text" ]; then
-        broken+=("$name: its text is not in $file any more")
-        return 0
-    fi
-    printf '%s' "${text/"$find"/"$replace"}" >"$copy/$file"
-    by='unit tests'
+    mutate "$file" "$find" "$replace" || { broken+=("$name: its text is not in $file any more"); return 0; }
     try "${unit[@]}" || status=$?
     if [ "$status" -eq 0 ]; then
         by='laws'
         try "${laws[@]}" || status=$?
     fi
-    printf '%s' "$text" >"$copy/$file"
+    restore "$file"
     case $status in
         0) survivors+=("$name"); echo "SURVIVED  $name" ;;
         1) caught=$((caught + 1)); echo "caught    $name (by the $by: $(grep -m1 -oE '^test .* FAILED|^    [a-z_:0-9]+$' "$copy/log" | sed 's/^ *//; s/^test //; s/ \.\.\. FAILED//' || true))" ;;
@@ -51,23 +39,5 @@ check() {
     esac
 }
 
-# Blocks of `@ name`, file, the text to find between `-` lines, its replacement after `+` lines, and an empty line.
-name='' file='' find='' replace=''
-while IFS= read -r line || [ -n "$line" ]; do
-    case $line in
-        '#'*) ;;
-        '@ '*) name=${line#'@ '} file='' find='' replace='' ;;
-        '- '*) find+=${find:+$'\n'}${line#'- '} ;;
-        '+ '*) replace+=${replace:+$'\n'}${line#'+ '} ;;
-        '+') replace='' ;;
-        '') [ -z "$name" ] || check "$name" "$file" "$find" "$replace"; name='' ;;
-        *) file=$line ;;
-    esac
-done <tests/mutations/mutations.txt
-[ -z "$name" ] || check "$name" "$file" "$find" "$replace"
-
-echo "$caught caught, ${#survivors[@]} survived, ${#broken[@]} could not be applied"
-for text in "${survivors[@]/#/survived: }" "${broken[@]/#/not applied: }"; do
-    echo "$text"
-done
-[ ${#survivors[@]} -eq 0 ] && [ ${#broken[@]} -eq 0 ]
+each_block tests/mutations/mutations.txt check
+verdict
