@@ -12,6 +12,7 @@
 //! | [`fixed`] | parametric fixed point |
 //! | [`llvmpipe`] | Mesa's llvmpipe (lavapipe), bit for bit |
 //! | [`swiftshader`] | SwiftShader's Vulkan driver, bit for bit |
+//! | [`nvidia`] | an NVIDIA GPU's blender, found from what it stores |
 
 pub mod account;
 mod agreement;
@@ -22,6 +23,7 @@ mod explanation;
 pub mod fixed;
 pub mod llvmpipe;
 mod number;
+pub mod nvidia;
 pub mod registry;
 pub mod swiftshader;
 

@@ -6,6 +6,7 @@ use super::binary32::Binary32;
 use super::exact::Exact;
 use super::fixed::{FixedPoint, FixedSpecError};
 use super::llvmpipe::{Estimate, Generation, Llvmpipe, LlvmpipeName, LlvmpipeNameError, VectorWidth};
+use super::nvidia::Nvidia;
 use super::swiftshader::{self, SwiftShader};
 use crate::format::Rounding;
 
@@ -27,7 +28,7 @@ pub enum ModelNameError {
 }
 
 /// The short names that [`by_name`] takes; `fixed` and `llvmpipe` also take other parameters after a colon.
-pub const NAMES: [&str; 12] = [
+pub const NAMES: [&str; 13] = [
     "exact",
     "exact:ties-away",
     "f32",
@@ -40,6 +41,7 @@ pub const NAMES: [&str; 12] = [
     "llvmpipe:128",
     "swiftshader",
     "swiftshader:chromium=110",
+    "nvidia",
 ];
 
 /// The drivers that plain names stand for: those of an adapter where one is at hand, else the newest that were proven, with a
@@ -75,6 +77,7 @@ pub fn by_name_among(name: &str, drivers: Drivers) -> Result<Box<dyn NumericMode
         "f32" => Box::new(Binary32),
         "f16" => Box::new(Binary16),
         "swiftshader" => Box::new(drivers.swiftshader),
+        "nvidia" | "nvidia:gpu=h100" => Box::new(Nvidia),
         "fixed" => Box::new(FixedPoint::default()),
         _ => match name.strip_prefix("fixed:") {
             Some(spec) => Box::new(spec.parse::<FixedPoint>()?),
