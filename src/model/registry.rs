@@ -128,7 +128,7 @@ pub fn every_llvmpipe() -> impl Iterator<Item = Llvmpipe> {
     Generation::ALL.into_iter().flat_map(each)
 }
 
-/// [`all`], with every generation of the drivers: what must hold of any model.
+/// [`all`], with every generation of the drivers and the GPUs: what must hold of any model.
 #[must_use]
 pub fn every_generation() -> Vec<Box<dyn NumericModel>> {
     let newest = Llvmpipe::default();
@@ -138,7 +138,8 @@ pub fn every_generation() -> Vec<Box<dyn NumericModel>> {
     let swiftshaders = swiftshader::Generation::ALL.into_iter().filter(|generation| *generation != Default::default());
     let swiftshaders = swiftshaders.map(|generation| Box::new(SwiftShader { generation }) as Box<dyn NumericModel>);
     let older = older.map(|model| Box::new(model) as Box<dyn NumericModel>);
-    all().into_iter().chain(older).chain(swiftshaders).collect()
+    let hardware: [Box<dyn NumericModel>; 1] = [Box::new(Nvidia)];
+    all().into_iter().chain(older).chain(swiftshaders).chain(hardware).collect()
 }
 
 #[cfg(test)]

@@ -213,6 +213,17 @@ fn what_an_amd_processor_stored_is_the_model_with_its_estimate_and_not_another_s
     check("llvmpipe:rsqrt=intel-xeon,mesa=22.3").code(1);
 }
 
+/// Random lines of every format; the rules were fitted to others, but for a few of signed formats.
+#[test]
+fn what_nvidia_gpus_stored_is_their_model() {
+    for file in ["nvidia-h100", "nvidia-h100-depth", "nvidia-h100-layers", "nvidia-h200"] {
+        let path = format!("{}/tests/data/{file}.jsonl", env!("CARGO_MANIFEST_DIR"));
+        let check = |model: &str| outmerge(&["vectors", "check", "--model", model, &path]).assert();
+        check("nvidia").code(0).stdout(predicate::str::contains(" 0 texels differ in 0 lines"));
+        check("exact").code(1);
+    }
+}
+
 #[test]
 fn undecided_texels_count_neither_way() {
     // One Zero over an infinite blue: from 25.0 on the driver stores 1 or NaN there, by what it did before.

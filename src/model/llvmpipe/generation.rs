@@ -184,7 +184,7 @@ const OLDEST: Facts = Facts {
 const MIDDLE: Facts = Facts {
     name: "25.0",
     proven: [[25, 0, 7]; 2],
-    evidence: "quick level on AMD (Debian 13, LLVM 19.1.7)",
+    evidence: "full level on Intel, quick level on AMD (Debian 13, LLVM 19.1.7)",
     rules: Rules {
         small_denormals: SmallDenormals::KeptAlone,
         zero_factor: ZeroFactor::Undecided,

@@ -1,6 +1,6 @@
 //! Depth: codes by the rule of color, but that 24-bit halves go up below 1/16; 32-bit depth without denormals, and with -0.
 
-use super::unorm;
+use super::normalised;
 use crate::format::depth::DepthKind;
 
 /// The code of a fragment's depth, clamped to the viewport's range first. NaN is 0.
@@ -15,7 +15,7 @@ pub fn code(kind: DepthKind, z: f32, [near, far]: [f32; 2]) -> u32 {
     match kind {
         DepthKind::Float32 => z.to_bits(),
         DepthKind::Unorm(24) => code_24(z),
-        DepthKind::Unorm(bits) => unorm::code(z, bits),
+        DepthKind::Unorm(bits) => normalised::code(z, bits),
     }
 }
 
@@ -27,7 +27,7 @@ fn code_24(z: f32) -> u32 {
         let cut = (z * 268_435_456.0) as u32;
         return (cut + 8) >> 4;
     }
-    unorm::code(z, 24)
+    normalised::code(z, 24)
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 //! product that loses bits there has its last kept bit set (the *sticky* bit). The last bit of the sum says no more than
 //! "there was something": it never rounds a half up by itself. The sum is then rounded to the nearest, ties to even.
 
+use super::Operand;
 use crate::format::{ChannelKind, ColorFormat, FloatLayout, Rounding, TargetClass};
 use crate::model::binary32::narrow;
 use crate::model::{Arithmetic, Number};
@@ -24,6 +25,8 @@ pub struct Value {
     exponent: i32,
     /// Whether it is a stored number, or a product of one: the sign of a sum that is zero depends on it.
     stored: bool,
+    /// Whether it is one only by rounding.
+    is_rounded: bool,
 }
 
 /// A number that is zero.
@@ -33,7 +36,7 @@ const IS_ZERO: i32 = -10_000;
 const LEFT_OUT: i32 = -10_001;
 
 /// The factor that is the constant zero.
-const ZERO: Value = Value { x: 0.0, exponent: IS_ZERO, stored: false };
+const ZERO: Value = Value { x: 0.0, exponent: IS_ZERO, stored: false, is_rounded: false };
 
 /// Bits kept below the significand's.
 const GUARD_BITS: u32 = 3;
@@ -44,7 +47,7 @@ const SOMETHING: f64 = 1.0 / 16_777_216.0;
 impl Value {
     /// A number as an operand.
     pub(super) fn of(x: f64) -> Self {
-        Self { x, exponent: exponent(x), stored: false }
+        Self { x, exponent: exponent(x), stored: false, is_rounded: false }
     }
 
     /// The same, read from the target.
@@ -55,11 +58,6 @@ impl Value {
     /// The number.
     pub(super) const fn number(self) -> f64 {
         self.x
-    }
-
-    /// Whether it is the number one, as a factor.
-    pub(super) fn is_one(self) -> bool {
-        self.x == 1.0
     }
 }
 
@@ -176,8 +174,15 @@ impl Arithmetic for Unit {
     }
 
     fn complement(&self, x: &Value) -> Value {
-        let complement = 1.0 - x.x;
-        Value::of(if complement.is_finite() { self.round(complement) } else { complement })
+        // A NaN loses its sign.
+        if x.x.is_nan() {
+            return Value::of(x.x.copysign(1.0));
+        }
+        if x.x.is_infinite() {
+            return Value::of(-x.x);
+        }
+        let complement = Value::of(self.round(1.0 - x.x));
+        Value { is_rounded: complement.x == 1.0 && x.x != 0.0, ..complement }
     }
 
     /// An infinite alpha stays infinite.
@@ -190,9 +195,9 @@ impl Arithmetic for Unit {
         if x.x == 0.0 || factor.x == 0.0 {
             let negative = x.x.is_sign_negative() != factor.x.is_sign_negative();
             let exponent = if factor.exponent == IS_ZERO { LEFT_OUT } else { IS_ZERO };
-            return Value { x: if negative { -0.0 } else { 0.0 }, exponent, stored: x.stored };
+            return Value { x: if negative { -0.0 } else { 0.0 }, exponent, ..*x };
         }
-        Value { x: x.x * factor.x, exponent: x.exponent + factor.exponent, stored: x.stored }
+        Value { x: x.x * factor.x, exponent: x.exponent + factor.exponent, ..*x }
     }
 
     fn add(&self, x: &Value, y: &Value) -> Value {
@@ -226,6 +231,16 @@ impl Arithmetic for Unit {
 
     fn describe(&self, x: &Value) -> Number {
         Number::binary(x.x)
+    }
+}
+
+impl Operand for Value {
+    fn is_zero(&self) -> bool {
+        self.x == 0.0
+    }
+
+    fn is_one(&self) -> bool {
+        self.x == 1.0 && !self.is_rounded
     }
 }
 

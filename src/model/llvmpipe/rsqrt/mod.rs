@@ -219,6 +219,16 @@ mod tests {
     }
 
     #[test]
+    fn every_step_answers_with_its_number() {
+        for estimate in Estimate::RECORDED {
+            for (step, bits) in estimate.table().iter().enumerate() {
+                let [first, last] = [0, STEP - 1].map(|offset| f32::from_bits(step_start(step).to_bits() + offset));
+                assert_eq!([first, last].map(|x| top_bits(estimate.rsqrt(x))), [*bits; 2], "{estimate:?}: step {step}");
+            }
+        }
+    }
+
+    #[test]
     fn estimates_are_within_the_architecture_s_bound() {
         for estimate in all() {
             for bits in (0x0080_0000..0x7f80_0000_u32).step_by(9973) {
