@@ -275,6 +275,11 @@ mod models {
         let near = both(BlendFactor::One, BlendFactor::One, BlendOperation::Subtract);
         let fade16 = both(BlendFactor::Src, BlendFactor::OneMinusSrc, BlendOperation::Add);
         let lerp = both(BlendFactor::DstAlpha, BlendFactor::OneMinusDstAlpha, BlendOperation::ReverseSubtract);
+        let scaled = both(BlendFactor::OneMinusSrc, BlendFactor::Zero, BlendOperation::Add);
+        let saturated = both(BlendFactor::SrcAlphaSaturated, BlendFactor::Constant, BlendOperation::ReverseSubtract);
+        let linear =
+            inputs("rgba8unorm-srgb", saturated, [0.846_479_24, 0.0, 0.190_196_08, 0.292_156_85], [190, 213, 74, 22]);
+        let huge = inputs("r16float", saturated, [-0.919_592_26, 0.0, 0.0, -2.312_064_8e32], [0x6eb6, 0, 0, 0]);
         let cases = [
             // Vulkan: values below -1 are clamped to -1, code -127.
             ("llvmpipe", inputs("r8snorm", None, [-1.1, 0.0, 0.0, 0.0], [0; 4])),
@@ -286,6 +291,12 @@ mod models {
             ("llvmpipe", inputs("r32float", lerp, [1.0, 0.0, 0.0, 0.0], [1_063_281_889, 0, 0, 0])),
             // Vulkan: a finite number beyond the largest one is that, or Inf; never NaN.
             ("swiftshader", inputs("r16float", None, [89_581.3, 0.0, 0.0, 0.0], [0; 4])),
+            // Vulkan: the curve, for the stored color that is read as well.
+            ("nvidia", ColorInputs { constant: [0.668_342_6; 4], ..linear }),
+            // Vulkan: factors of signed targets are clamped to 1.
+            ("nvidia", inputs("r8snorm", scaled, [-0.705, 0.0, 0.0, 0.0], [0; 4])),
+            // Vulkan: sources of float targets are not clamped; here the difference gets the other sign.
+            ("nvidia", ColorInputs { constant: [6670.934; 4], ..huge }),
         ];
         for (name, texel) in cases {
             let got = registry::by_name(name).expect("known").merge_color(&texel);
