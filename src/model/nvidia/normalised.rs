@@ -47,6 +47,9 @@ pub struct Value {
 }
 
 /// The code of `bits` bits of a number from 0 to 1: cut to `bits + 4` fractional bits, then to the nearest, halves down.
+///
+/// # Panics
+/// When `bits` is above 27: neither color nor depth has as many.
 #[must_use]
 pub fn code(x: f32, bits: u32) -> u32 {
     let kept = bits + GUARD_BITS;
