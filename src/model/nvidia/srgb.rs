@@ -1,6 +1,6 @@
 //! sRGB targets: the sRGB code of the source, linear half floats of eight significant bits, and thresholds at the store.
 //!
-//! Both tables are the maker's choice and were read back from the device: [`LINEAR`] what a code loads as, [`FIRST`] the least half
+//! Both tables are the maker's choice and were read back from the device: `LINEAR` what a code loads as, `FIRST` the least half
 //! float that stores a code. Alpha is linear: a code of eight bits, which loads as code / 255 cut to half float.
 
 use crate::format::{ChannelKind, ColorFormat, FloatLayout, Rounding, TargetClass};
