@@ -7,7 +7,7 @@
 
 use super::Operand;
 use crate::format::{ChannelKind, ColorFormat, FloatLayout, Rounding, TargetClass};
-use crate::model::binary32::narrow;
+use crate::model::binary32::{minimum_number, narrow};
 use crate::model::{Arithmetic, Number};
 
 /// The blender of one width.
@@ -25,8 +25,6 @@ pub struct Value {
     exponent: i32,
     /// Whether it is a stored number, or a product of one: the sign of a sum that is zero depends on it.
     stored: bool,
-    /// Whether it is one only by rounding.
-    is_rounded: bool,
 }
 
 /// A number that is zero.
@@ -36,7 +34,7 @@ const IS_ZERO: i32 = -10_000;
 const LEFT_OUT: i32 = -10_001;
 
 /// The factor that is the constant zero.
-const ZERO: Value = Value { x: 0.0, exponent: IS_ZERO, stored: false, is_rounded: false };
+const ZERO: Value = Value { x: 0.0, exponent: IS_ZERO, stored: false };
 
 /// Bits kept below the significand's.
 const GUARD_BITS: u32 = 3;
@@ -47,7 +45,7 @@ const SOMETHING: f64 = 1.0 / 16_777_216.0;
 impl Value {
     /// A number as an operand.
     pub(super) fn of(x: f64) -> Self {
-        Self { x, exponent: exponent(x), stored: false, is_rounded: false }
+        Self { x, exponent: exponent(x), stored: false }
     }
 
     /// The same, read from the target.
@@ -85,6 +83,11 @@ impl Unit {
     pub const HALF: Self = Self { layout: FloatLayout::HALF };
     /// binary32.
     pub const SINGLE: Self = Self { layout: FloatLayout::SINGLE };
+
+    /// The number of this width toward zero.
+    pub(super) fn cut(self, x: f64) -> f64 {
+        self.layout.decode(self.layout.encode(x, Rounding::TowardZero))
+    }
 
     /// The nearest number of this width; none is infinite.
     fn round(self, x: f64) -> f64 {
@@ -133,14 +136,14 @@ fn zero_of(a: Value, b: Value) -> f64 {
     if dst.exponent == LEFT_OUT { src.x } else { dst.x }
 }
 
-/// Less, and -0 is less than 0.
-fn below(x: f64, y: f64) -> bool {
-    x < y || (x == y && x.is_sign_negative() && !y.is_sign_negative())
+/// The lower; a number rather than NaN. Operands are binary32 numbers at most.
+fn lower(x: Value, y: Value) -> Value {
+    Value::of(f64::from(minimum_number(narrow(x.x), narrow(y.x))))
 }
 
-/// The lower; a number rather than NaN.
-fn lower(x: Value, y: Value) -> Value {
-    if x.x.is_nan() || below(y.x, x.x) { y } else { x }
+/// The higher, likewise.
+fn higher(x: Value, y: Value) -> Value {
+    Value::of(f64::from(-minimum_number(-narrow(x.x), -narrow(y.x))))
 }
 
 impl Arithmetic for Unit {
@@ -152,7 +155,7 @@ impl Arithmetic for Unit {
         if self.layout == FloatLayout::SINGLE || !x.is_finite() {
             return Value::of(self.flush(x));
         }
-        Value::of(self.layout.decode(self.layout.encode(x, Rounding::TowardZero)))
+        Value::of(self.cut(x))
     }
 
     fn decode(&self, code: u32, kind: ChannelKind) -> Value {
@@ -181,8 +184,7 @@ impl Arithmetic for Unit {
         if x.x.is_infinite() {
             return Value::of(-x.x);
         }
-        let complement = Value::of(self.round(1.0 - x.x));
-        Value { is_rounded: complement.x == 1.0 && x.x != 0.0, ..complement }
+        Value::of(self.round(1.0 - x.x))
     }
 
     /// An infinite alpha stays infinite.
@@ -213,7 +215,7 @@ impl Arithmetic for Unit {
     }
 
     fn maximum(&self, x: &Value, y: &Value) -> Value {
-        self.finite(if x.x.is_nan() || below(x.x, y.x) { *y } else { *x })
+        self.finite(higher(*x, *y))
     }
 
     fn clamp(&self, x: &Value, _class: TargetClass) -> Value {
@@ -240,7 +242,7 @@ impl Operand for Value {
     }
 
     fn is_one(&self) -> bool {
-        self.x == 1.0 && !self.is_rounded
+        self.x == 1.0
     }
 }
 

@@ -18,7 +18,7 @@ fn take_in_half(x: f32) -> f64 {
     if x >= 0.5 {
         return (((x * 4096.0).floor() + 1.0) / 2.0).floor() / 2048.0;
     }
-    FloatLayout::HALF.decode(FloatLayout::HALF.encode(x, Rounding::TowardZero))
+    Unit::HALF.cut(x)
 }
 
 /// The code of a linear half float.
@@ -38,7 +38,7 @@ fn alpha_code(x: f64) -> u32 {
 
 /// What a code of alpha loads as.
 fn alpha(code: u32) -> f64 {
-    FloatLayout::HALF.decode(FloatLayout::HALF.encode(f64::from(code) / 255.0, Rounding::TowardZero))
+    Unit::HALF.cut(f64::from(code) / 255.0)
 }
 
 impl Arithmetic for Srgb {
