@@ -42,17 +42,12 @@ build
 rows=() differ='' missing=''
 for name in "${names[@]}"; do
     step "$name"
-    read -r _ model setup argument < <(all_drivers | grep "^$name ")
-    log=$folder/logs/$name.setup.log
-    # In a process of its own, which ends at the first step that fails; in a condition it would go on.
-    set +e
-    (set -e; "$setup" "$name" "$argument") >"$log" 2>&1
-    status=$?
-    set -e
+    model=$(model_of "$name")
+    set_up "$name"
     if [ "$status" -eq 0 ]; then
         compare "$name" "$model"
     else
-        not_run "$name" "$(last_line "$log")"
+        not_run "$name" "$(last_line "$folder/logs/$name.setup.log")"
     fi
 done
 

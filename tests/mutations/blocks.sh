@@ -1,4 +1,4 @@
-# shellcheck shell=bash disable=SC2154 # the scripts count
+# shellcheck shell=bash disable=SC2154 # $only and $shown are the scripts'
 # Reads and applies mutations, for the scripts beside this file.
 
 # Makes $copy, a copy of the working tree as far as git knows it; new times, so that cargo takes nothing of another copy for fresh.
@@ -40,6 +40,23 @@ mutate() {
 
 # Puts a file of the copy back.
 restore() { cp "$1" "$copy/$1" && touch "$copy/$1"; }
+
+caught=0 survivors=() broken=()
+
+# One mutation: changes the file in the copy, asks `probe WHERE` of the script, and puts the file back. A probe's status is 0 where
+# nothing was noticed, 1 where something was, which it tells in $shown, else it could not be run.
+check() {
+    local name=$1 file=$2 find=$3 replace=$4 where=$5 status=0
+    case $name in *"$only"*) ;; *) return 0 ;; esac
+    mutate "$file" "$find" "$replace" || { broken+=("$name: its text is not in $file any more"); return 0; }
+    probe "$where" || status=$?
+    restore "$file"
+    case $status in
+        0) survivors+=("$name"); echo "SURVIVED  $name" ;;
+        1) caught=$((caught + 1)); echo "caught    $name ($shown)" ;;
+        *) broken+=("$name: status $status: $(grep -m1 '^error' "$copy/log" || tail -1 "$copy/log")") ;;
+    esac
+}
 
 # Prints the counts, and fails unless all were caught.
 verdict() {
