@@ -132,8 +132,8 @@ proptest! {
             prop_assert!(ordered, "texel {:?}: depths {:?} are not far to near", texel, depths);
             odd += usize::from(whole.get(texel).map_or(0, Vec::len) != depths.len());
         }
-        // Where a cut ends at another cut, snapping to the sub-pixel grid may gain or lose a texel.
-        prop_assert!(odd <= 2, "{} texels are covered more or less often than by whole faces", odd);
+        // Where a cut ends, snapping to the sub-pixel grid may gain or lose a texel; six pairs of faces have twelve ends.
+        prop_assert!(odd <= 12, "{} texels are covered more or less often than by whole faces", odd);
     }
 
     /// Inner faces, then outer faces: for a convex mesh that is the order from far to near.
@@ -144,9 +144,17 @@ proptest! {
         let passes = "[[material.pass]]\nstate = 'Cull Front ZWrite Off'\n[[material.pass]]\nstate = 'Cull Back ZWrite Off'\n";
         let mut text = head("fade", passes, &[color]);
         object(&mut text, mesh, 0, position, rotation, scale);
+        let mut folded = 0;
         for (texel, depths) in stacks(&parse(&text)) {
+            // A ray meets a convex mesh at most twice. Snapping to the sub-pixel grid may fold a corner of the silhouette:
+            // the texel has more fragments there, of faces seen edge on, whose depth is nearly arbitrary.
+            if depths.len() > 2 {
+                folded += 1;
+                continue;
+            }
             prop_assert!(depths.windows(2).all(|pair| pair[1] <= pair[0] + 1e-5), "texel {:?}: {:?}", texel, depths);
         }
+        prop_assert!(folded <= 2, "{} texels are covered more than twice", folded);
     }
 
     /// Cut, doubled and overwritten texts are read or refused, with a line that exists.
