@@ -42,7 +42,8 @@ impl Case {
 /// One model of each kind, and variants that could be treated alike by mistake.
 pub fn models() -> Vec<Box<dyn NumericModel>> {
     let mut models = registry::all();
-    for name in ["llvmpipe:128", "fixed:12,fused", "fixed:8,rounding=truncate"] {
+    for name in ["exact:ties-away", "exact:toward-zero", "llvmpipe:128", "fixed:12,fused", "fixed:8,rounding=truncate"]
+    {
         models.push(registry::by_name(name).expect("a model"));
     }
     models

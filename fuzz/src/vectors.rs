@@ -15,7 +15,7 @@ pub fn check(data: &[u8]) {
             }
         }
     }
-    for name in ["exact", "f16", "llvmpipe"] {
+    for name in ["exact", "exact:toward-zero", "f16", "llvmpipe"] {
         let model = registry::by_name(name).expect("a model");
         let mut filled = Vec::new();
         match apply(model.as_ref(), data, &mut filled) {

@@ -110,19 +110,33 @@ pub fn threshold(code: u32) -> Approximation {
 /// `None` when `l` lies within a threshold's error, less than one `f64` in 10^15.
 #[must_use]
 pub fn encode(l: f64) -> Option<u32> {
+    points_reached(l, 1)
+}
+
+/// The largest code whose linear value is at most `l`; clamped to `[0, 1]`, NaN as 0.
+///
+/// `None` when `l` lies within the error of a code's value.
+#[must_use]
+pub fn encode_toward_zero(l: f64) -> Option<u32> {
+    points_reached(l, 2)
+}
+
+/// How many of the points of half-code `2 c + first`, one a code c, are at or below `l`.
+fn points_reached(l: f64, first: usize) -> Option<u32> {
     if l.is_nan() || l <= 0.0 {
         return Some(0);
     }
     let points = &*POINTS;
-    // Thresholds are the odd points; count those at or below l.
     let (mut low, mut high) = (0_u32, 255_u32);
     while low < high {
         let middle = u32::midpoint(low, high);
-        let at = points[2 * middle as usize + 1];
-        if (l - at.value).abs() <= at.error {
+        let at = points[2 * middle as usize + first];
+        // A code that is known exactly, as 1 is, is reached by its own value; at a threshold there is a tie to break.
+        let is_code = first == 2 && at.error == 0.0 && l == at.value;
+        if !is_code && (l - at.value).abs() <= at.error {
             return None;
         }
-        if l > at.value { low = middle + 1 } else { high = middle }
+        if is_code || l > at.value { low = middle + 1 } else { high = middle }
     }
     Some(low)
 }
@@ -136,6 +150,16 @@ mod tests {
         for code in 0..=255 {
             assert_eq!(encode(decode(code).value), Some(code), "code {code}");
         }
+    }
+
+    #[test]
+    fn toward_zero_a_code_begins_at_its_value() {
+        for code in 1..=255 {
+            let value = decode(code).value;
+            assert_eq!(encode_toward_zero(value * (1.0 + 1e-12)), Some(code), "just above code {code}");
+            assert_eq!(encode_toward_zero(value * (1.0 - 1e-12)), Some(code - 1), "just below code {code}");
+        }
+        assert_eq!((encode_toward_zero(7.0), encode_toward_zero(f64::NAN)), (Some(255), Some(0)), "clamped");
     }
 
     #[test]

@@ -75,7 +75,7 @@ impl Account {
 #[must_use]
 pub fn account(inputs: &ColorInputs, model: &Explanation, exact: &Explanation, channel: usize) -> Option<Account> {
     let kind = inputs.format.channels()[channel];
-    let real = Real { arithmetic: Extended::new(Rounding::NearestEven, 128), inputs, model, exact };
+    let real = Real { arithmetic: Extended::new(Rounding::NearestEven), inputs, model, exact };
     let scale = Scale::new(kind, real.final_value(exact, channel)?)?;
     let start = scale.position(real.final_value(exact, channel)?);
     let mut at = start;

@@ -10,11 +10,12 @@
 mod number;
 mod oracle;
 mod over;
+mod thresholds;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use outmerge::format::layout::FORMATS;
-use outmerge::format::{ChannelKind, ColorFormat};
+use outmerge::format::{ChannelKind, ColorFormat, Rounding};
 use outmerge::model::exact::Exact;
 use outmerge::model::{ColorInputs, NumericModel};
 use outmerge::vectors::Generator;
@@ -39,21 +40,27 @@ struct Counts {
     fallbacks: AtomicU64,
 }
 
-/// Compares one texel by every path of the crate; panics with the replayable inputs where they differ.
+/// Every rounding that `exact` has.
+const ROUNDINGS: [Rounding; 3] = [Rounding::NearestEven, Rounding::NearestAway, Rounding::TowardZero];
+
+/// Compares one texel by every path of the crate and every rounding; panics with the replayable inputs where they differ.
 fn compare(inputs: &ColorInputs, counts: &Counts) {
-    let expected = oracle::merge(inputs);
-    let exact = Exact::default();
-    let got = exact.merge_color(inputs);
-    assert!(
-        same(inputs.format, got, expected),
-        "exact {got:x?}, oracle {expected:x?}\n{inputs:?}\nsource bits {:x?}",
-        inputs.src.map(f32::to_bits)
-    );
+    for rounding in ROUNDINGS {
+        let expected = oracle::merge(inputs, rounding);
+        let exact = Exact { rounding };
+        let got = exact.merge_color(inputs);
+        assert!(
+            same(inputs.format, got, expected),
+            "{} {got:x?}, oracle {expected:x?}\n{inputs:?}\nsource bits {:x?}",
+            exact.name(),
+            inputs.src.map(f32::to_bits)
+        );
+        if exact.merge_color_bounded(inputs).is_none() {
+            counts.fallbacks.fetch_add(1, Ordering::Relaxed);
+        }
+    }
     let stored = inputs.format.channels().iter().filter(|kind| **kind != ChannelKind::Absent).count() as u64;
     counts.channels.fetch_add(stored, Ordering::Relaxed);
-    if exact.merge_color_bounded(inputs).is_none() {
-        counts.fallbacks.fetch_add(1, Ordering::Relaxed);
-    }
 }
 
 fn same(format: ColorFormat, a: [u32; 4], b: [u32; 4]) -> bool {
@@ -102,13 +109,19 @@ fn the_rational_path_agrees_with_the_fast_one() {
     for (name, _) in FORMATS {
         let format = ColorFormat::from_name(name).expect("a listed format");
         let line = Generator::new(3).line(format, 300);
-        for texel in 0..line.len() {
+        for (texel, rounding) in (0..line.len()).flat_map(|texel| ROUNDINGS.map(|rounding| (texel, rounding))) {
             let inputs = line.inputs(texel);
-            let exact = Exact::default();
+            let exact = Exact { rounding };
             let (fast, slow) = (exact.merge_color(&inputs), exact.merge_color_rational(&inputs));
             assert!(same(format, fast, slow), "{name}: {fast:x?}, {slow:x?}\n{inputs:?}");
         }
     }
+}
+
+#[test]
+fn values_on_a_threshold_are_stored_as_the_rounding_says() {
+    thresholds::kept();
+    thresholds::ties();
 }
 
 #[test]

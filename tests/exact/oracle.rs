@@ -6,14 +6,14 @@ use dashu_float::FBig;
 use dashu_float::round::mode::HalfEven;
 use dashu_int::{IBig, UBig};
 use dashu_ratio::Relaxed;
-use outmerge::format::{ChannelKind, ColorFormat, FloatLayout};
+use outmerge::format::{ChannelKind, ColorFormat, FloatLayout, Rounding};
 use outmerge::model::ColorInputs;
 use wgpu_types::{BlendComponent, BlendFactor, BlendOperation};
 
 use super::number::{Number, dyadic, ratio, single};
 
-/// The codes after one fragment, all channels written.
-pub fn merge(inputs: &ColorInputs) -> [u32; 4] {
+/// The codes after one fragment, all channels written, with this rounding at the store.
+pub fn merge(inputs: &ColorInputs, rounding: Rounding) -> [u32; 4] {
     let channels = inputs.format.channels();
     let source = taken_in(inputs.format, inputs.src);
     let second = taken_in(inputs.format, inputs.src1);
@@ -27,11 +27,11 @@ pub fn merge(inputs: &ColorInputs) -> [u32; 4] {
             if channels[i].bits() == 32 {
                 return inputs.src[i].to_bits();
             }
-            return store(channels[i], &source[i]);
+            return store(channels[i], &source[i], rounding);
         };
         let equation = if i < 3 { &state.color } else { &state.alpha };
         let weight = |factor| limited(channels[i], weight(factor, i, &source, &second, &constant, &stored));
-        store(channels[i], &combine(equation, &source[i], &stored[i], weight))
+        store(channels[i], &combine(equation, &source[i], &stored[i], weight), rounding)
     })
 }
 
@@ -171,66 +171,73 @@ fn magnitude_value(layout: FloatLayout, magnitude: u32) -> Relaxed {
     dyadic(if exponent == 0 { mantissa } else { mantissa | 1 << mantissa_bits }, last_place)
 }
 
-/// The nearest code, ties to even.
-fn store(kind: ChannelKind, x: &Number) -> u32 {
+/// The code of a number.
+fn store(kind: ChannelKind, x: &Number, rounding: Rounding) -> u32 {
     match kind {
         ChannelKind::Absent => 0,
-        ChannelKind::Float(layout) => store_float(layout, x),
+        ChannelKind::Float(layout) => store_float(layout, x, rounding),
         _ => {
             let Number::Rational(x, _) = limited(kind, x.clone()) else { panic!("clamped numbers are finite") };
             match kind {
-                ChannelKind::Unorm(bits) => nearest(&x, (1 << bits) - 1),
+                ChannelKind::Unorm(bits) => rounded(&x, (1 << bits) - 1, rounding),
                 ChannelKind::Snorm(bits) => {
                     let top = (1 << (bits - 1)) - 1;
                     if x < Relaxed::ZERO {
-                        let code = ((1_u64 << bits) - u64::from(nearest(&-x, top))) & ((1 << bits) - 1);
+                        let code = ((1_u64 << bits) - u64::from(rounded(&-x, top, rounding))) & ((1 << bits) - 1);
                         u32::try_from(code).expect("at most 16 bits")
                     } else {
-                        nearest(&x, top)
+                        rounded(&x, top, rounding)
                     }
                 }
-                _ => store_srgb(&x),
+                _ => store_srgb(&x, rounding),
             }
         }
     }
 }
 
-/// x * top to the nearest integer, ties to even; 0 <= x <= 1.
-fn nearest(x: &Relaxed, top: u64) -> u32 {
+/// Whether a number between two codes, in the upper half or at its middle, takes the upper one.
+fn goes_up(upper_half: bool, tie: bool, lower_is_odd: bool, rounding: Rounding) -> bool {
+    match rounding {
+        Rounding::TowardZero => false,
+        Rounding::NearestEven if tie => lower_is_odd,
+        Rounding::NearestEven | Rounding::NearestAway => upper_half,
+    }
+}
+
+/// x * top as an integer; 0 <= x <= 1.
+fn rounded(x: &Relaxed, top: u64, rounding: Rounding) -> u32 {
     let scaled = x * Relaxed::from(UBig::from(top));
     let doubled: UBig = (&scaled + &scaled).floor().try_into().expect("not negative");
     let doubled = u64::try_from(doubled).expect("small");
     let (floor, upper_half) = (doubled / 2, doubled % 2 == 1);
     let tie = upper_half && &scaled + &scaled == Relaxed::from(UBig::from(doubled));
-    let up = if tie { floor % 2 == 1 } else { upper_half };
-    u32::try_from(floor + u64::from(up)).expect("a code")
+    u32::try_from(floor + u64::from(goes_up(upper_half, tie, floor % 2 == 1, rounding))).expect("a code")
 }
 
-/// How many thresholds a linear value has passed; at a threshold, the even code.
-fn store_srgb(x: &Relaxed) -> u32 {
-    let mut code = 0;
+/// How many thresholds a linear value has reached: half-way points, or toward zero the codes themselves.
+fn store_srgb(x: &Relaxed, rounding: Rounding) -> u32 {
     let (mut low, mut high) = (0_u32, 255_u32);
     while low < high {
         let middle = (low + high) / 2;
-        let threshold = &CURVE[2 * middle as usize + 1];
-        let gap = x - threshold;
-        if gap.is_zero() && !on_the_curve(2 * middle + 1) {
-            return middle + middle % 2;
-        }
+        let half_code = 2 * middle + if rounding == Rounding::TowardZero { 2 } else { 1 };
+        let gap = x - &CURVE[half_code as usize];
         let size = if gap < Relaxed::ZERO { -gap.clone() } else { gap.clone() };
-        let limit = Relaxed::from_parts(IBig::ONE, UBig::ONE << UNDECIDED);
-        assert!(size > limit, "undecided at threshold {middle}: raise the precision");
-        if gap > Relaxed::ZERO {
-            low = middle + 1
+        let close = size <= Relaxed::from_parts(IBig::ONE, UBig::ONE << UNDECIDED);
+        let reached = if rounding == Rounding::TowardZero {
+            // A blend that keeps a code meets it; what is closer than any other combination gets, is one.
+            close || gap > Relaxed::ZERO
+        } else if gap.is_zero() && !on_the_curve(half_code) {
+            rounding == Rounding::NearestAway || middle % 2 == 1
         } else {
-            high = middle
-        }
-        code = low;
+            assert!(!close, "undecided at threshold {middle}: raise the precision");
+            gap > Relaxed::ZERO
+        };
+        if reached { low = middle + 1 } else { high = middle }
     }
-    code.max(low)
+    low
 }
 
-fn store_float(layout: FloatLayout, x: &Number) -> u32 {
+fn store_float(layout: FloatLayout, x: &Number, rounding: Rounding) -> u32 {
     let FloatLayout { exponent_bits, mantissa_bits, signed } = layout;
     let infinite = ((1 << exponent_bits) - 1) << mantissa_bits;
     let sign = |negative: bool| if negative && signed { 1 << (exponent_bits + mantissa_bits) } else { 0 };
@@ -258,8 +265,9 @@ fn store_float(layout: FloatLayout, x: &Number) -> u32 {
             let (below, above) = (magnitude_value(layout, low), magnitude_value(layout, high));
             let twice = &size + &size;
             let between = below + above;
-            let code = if twice < between || (twice == between && low % 2 == 0) { low } else { high };
-            sign(negative) | code
+            let up = goes_up(twice >= between, twice == between, low % 2 == 1, rounding)
+                && size != magnitude_value(layout, low);
+            sign(negative) | if up { high } else { low }
         }
     }
 }

@@ -151,7 +151,7 @@ impl Question {
     #[must_use]
     pub fn goal(&self) -> Option<u32> {
         use BlendFactor as F;
-        let arithmetic = Extended::new(Rounding::NearestEven, 128);
+        let arithmetic = Extended::new(Rounding::NearestEven);
         let steps = blend(&arithmetic, &self.inputs(0));
         let i = self.index();
         let decimal = |x| arithmetic.describe(x).decimal;

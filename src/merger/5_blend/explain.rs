@@ -61,7 +61,7 @@ pub fn explain<A: Arithmetic>(
 
 /// Source, second source, constant and destination, as far as the equation reads them.
 fn taken_in(inputs: &ColorInputs, operands: &Operands<Number>) -> Vec<Step> {
-    let ideal = Extended::new(Rounding::NearestEven, 128);
+    let ideal = Extended::new(Rounding::NearestEven);
     let class = inputs.format.class();
     let read = |kind, symbol: &str, given: [f32; 4], taken: &Numbers| {
         each(kind, |i| {
@@ -104,7 +104,7 @@ fn blended(
     numbers: &Equation<Number>,
     result: &Numbers,
 ) -> Vec<Step> {
-    let ideal = Extended::new(Rounding::NearestEven, 128);
+    let ideal = Extended::new(Rounding::NearestEven);
     let real = |numbers: &Numbers| -> [Value; 4] { std::array::from_fn(|i| Value::from(&numbers[i])) };
     let operands_real = Operands {
         src: real(&operands.src),

@@ -174,8 +174,7 @@ impl Arithmetic for Bounded {
             ChannelKind::Absent => Some(0),
             ChannelKind::Unorm(bits) => Some(unorm::encode(near, bits, rounding)),
             ChannelKind::Snorm(bits) => Some(snorm::encode(near, bits, rounding)),
-            // Only nearest is precomputed; truncation of the curve goes the slow way.
-            ChannelKind::Srgb if rounding == Rounding::TowardZero => None,
+            ChannelKind::Srgb if rounding == Rounding::TowardZero => srgb::encode_toward_zero(near),
             ChannelKind::Srgb => srgb::encode(near),
             ChannelKind::Float(layout) => Some(layout.encode(near, rounding)),
         })

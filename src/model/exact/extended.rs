@@ -1,31 +1,17 @@
-//! Extended real arithmetic: rationals, infinities, NaN and signed zeros; the fallback of `exact`.
+//! Extended real arithmetic: real numbers, infinities, NaN and signed zeros; the fallback of `exact`.
 //!
-//! A finite number is an enclosure by two rationals, a single point unless an sRGB code on the power segment is
-//! involved. Infinities, NaN and the sign of zero follow IEEE 754.
-//!
-//! **Ties.** A point is compared with a threshold exactly, ties included. A proper enclosure is refined until it lies on
-//! one side, which ends because a blend that involves an irrational sRGB value never meets a threshold: on the power
-//! segment codes are (x / 10761)^(12/5) with x = 40 c + 561, thresholds the same with x = 40 c + 581. Fifth roots of
-//! rationals in different classes modulo fifth powers are linearly independent over the rationals, so a combination of
-//! them with rational coefficients (every blend factor that is not itself such a root, is rational) equals a threshold
-//! only if it is a single root in the threshold's class. Two integers x, y of that size share a class only if their
-//! ratio is a fifth power, at most 5^5 / 3^5 between odd numbers, which `no_code_shares_a_class_with_a_threshold` rules
-//! out by trying them all; products d * d are tried there too.
-//!
-//! Toward zero the thresholds are the codes themselves, and a blend that keeps a code meets one. Its enclosure is then the
-//! threshold's own, for products with 1 and sums with 0 keep both ends. Where numbers cancel, as in S (1 - D) + D with S = 1,
-//! an enclosure that the finest precision cannot tell from a threshold is that threshold.
+//! A finite number is known exactly, ties included (see [`real`](super::real)). Infinities, NaN and the sign of zero follow
+//! IEEE 754.
 
-use std::cell::Cell;
 use std::cmp::Ordering;
 
-use num_bigint::{BigInt, BigUint, Sign};
+use num_bigint::{BigUint, Sign};
 use num_integer::Integer;
 use num_rational::BigRational;
-use num_traits::{One, Signed, ToPrimitive, Zero};
+use num_traits::{Signed, ToPrimitive, Zero};
 
 use super::super::{Arithmetic, Number};
-use crate::format::srgb::{self, Enclosure};
+use super::real::Real;
 use crate::format::{ChannelKind, ColorFormat, FloatLayout, Rounding, TargetClass, snorm, unorm};
 
 /// An extended real number.
@@ -35,61 +21,33 @@ pub enum Value {
     Nan,
     /// An infinity, and whether it is negative.
     Infinity(bool),
-    /// A finite number, enclosed; the flag is the sign of an exact zero.
-    Finite(Enclosure, bool),
+    /// A finite number; the flag is the sign of a zero.
+    Finite(Real, bool),
 }
 
-/// Bits of the finest enclosure that is tried.
-pub(super) const FINEST: u32 = 16384;
-
-/// Extended real arithmetic with enclosures of a given precision.
-#[derive(Debug)]
+/// Extended real arithmetic.
+#[derive(Clone, Copy, Debug)]
 pub struct Extended {
     rounding: Rounding,
-    /// sRGB values are enclosed to 2^-bits.
-    bits: u32,
-    in_doubt: Cell<bool>,
 }
 
 impl Extended {
-    /// An arithmetic that stores with this rounding and encloses sRGB values to 2^-`bits`.
+    /// An arithmetic that stores with this rounding.
     #[must_use]
-    pub fn new(rounding: Rounding, bits: u32) -> Self {
-        Self { rounding, bits, in_doubt: Cell::new(false) }
-    }
-
-    /// Whether a rounding could not be decided at this precision.
-    #[must_use]
-    pub fn in_doubt(&self) -> bool {
-        self.in_doubt.get()
-    }
-
-    /// The code both ends store as, or doubt.
-    fn encode_by(&self, x: &Enclosure, encode: impl Fn(&BigRational) -> u32) -> u32 {
-        let code = encode(&x.lo);
-        if x.lo != x.hi && encode(&x.hi) != code {
-            self.in_doubt.set(true);
-        }
-        code
+    pub fn new(rounding: Rounding) -> Self {
+        Self { rounding }
     }
 }
 
-/// A rational point, positive if zero.
-fn point(x: BigRational) -> Value {
-    Value::Finite(Enclosure { lo: x.clone(), hi: x }, false)
-}
-
-/// numerator / denominator.
-fn ratio(numerator: impl Into<BigInt>, denominator: impl Into<BigInt>) -> Value {
-    point(BigRational::new(numerator.into(), denominator.into()))
+/// A real number, positive if zero.
+fn finite(x: Real) -> Value {
+    Value::Finite(x, false)
 }
 
 /// An `f64` as an extended real.
 fn from_f64(x: f64) -> Value {
     match BigRational::from_float(x) {
-        Some(rational) => {
-            Value::Finite(Enclosure { lo: rational.clone(), hi: rational }, x == 0.0 && x.is_sign_negative())
-        }
+        Some(rational) => Value::Finite(rational.into(), x == 0.0 && x.is_sign_negative()),
         None if x.is_nan() => Value::Nan,
         None => Value::Infinity(x < 0.0),
     }
@@ -99,7 +57,7 @@ impl From<&Number> for Value {
     /// The number itself where it is known exactly, else its decimal.
     fn from(number: &Number) -> Self {
         match number.fraction() {
-            Some(rational) if !rational.is_zero() => point(rational.clone()),
+            Some(rational) if !rational.is_zero() => finite(rational.clone().into()),
             _ => from_f64(number.decimal),
         }
     }
@@ -111,40 +69,24 @@ impl Value {
         match self {
             Self::Nan => false,
             Self::Infinity(negative) => *negative,
-            Self::Finite(x, zero_sign) => {
-                if x.lo.is_zero() && x.hi.is_zero() {
-                    *zero_sign
-                } else {
-                    x.hi.is_negative()
-                }
-            }
+            Self::Finite(x, zero_sign) => match x.compare(&Real::ratio(0, 1)) {
+                Ordering::Equal => *zero_sign,
+                order => order == Ordering::Less,
+            },
         }
     }
 
     fn is_zero(&self) -> bool {
-        matches!(self, Self::Finite(x, _) if x.lo.is_zero() && x.hi.is_zero())
+        matches!(self, Self::Finite(x, _) if x.is_zero())
     }
 
     fn negated(&self) -> Self {
         match self {
             Self::Nan => Self::Nan,
             Self::Infinity(negative) => Self::Infinity(!negative),
-            Self::Finite(x, sign) => Self::Finite(Enclosure { lo: -x.hi.clone(), hi: -x.lo.clone() }, !sign),
+            Self::Finite(x, sign) => Self::Finite(x.negated(), !sign),
         }
     }
-}
-
-/// The product of two enclosures.
-fn multiply_enclosures(x: &Enclosure, y: &Enclosure) -> Enclosure {
-    if x.lo == x.hi && y.lo == y.hi {
-        let product = &x.lo * &y.lo;
-        return Enclosure { lo: product.clone(), hi: product };
-    }
-    let ends = [&x.lo * &y.lo, &x.lo * &y.hi, &x.hi * &y.lo, &x.hi * &y.hi];
-    let [first, ..] = &ends;
-    let lo = ends.iter().fold(first, |a, b| if b < a { b } else { a }).clone();
-    let hi = ends.iter().fold(first, |a, b| if b > a { b } else { a }).clone();
-    Enclosure { lo, hi }
 }
 
 impl Arithmetic for Extended {
@@ -157,19 +99,19 @@ impl Arithmetic for Extended {
     fn decode(&self, code: u32, kind: ChannelKind) -> Value {
         match kind {
             ChannelKind::Absent => self.zero(),
-            ChannelKind::Unorm(bits) => ratio(code, unorm::steps(bits)),
-            ChannelKind::Snorm(bits) => ratio(snorm::signed_code(code, bits), snorm::steps(bits)),
-            ChannelKind::Srgb => Value::Finite(srgb::linear_enclosure(2 * code, self.bits), false),
+            ChannelKind::Unorm(bits) => finite(Real::ratio(code, unorm::steps(bits))),
+            ChannelKind::Snorm(bits) => finite(Real::ratio(snorm::signed_code(code, bits), snorm::steps(bits))),
+            ChannelKind::Srgb => finite(Real::srgb(code)),
             ChannelKind::Float(layout) => from_f64(layout.decode(code)),
         }
     }
 
     fn zero(&self) -> Value {
-        point(BigRational::zero())
+        finite(Real::ratio(0, 1))
     }
 
     fn one(&self) -> Value {
-        point(BigRational::one())
+        finite(Real::ratio(1, 1))
     }
 
     fn complement(&self, x: &Value) -> Value {
@@ -187,7 +129,7 @@ impl Arithmetic for Extended {
                     Value::Infinity(negative)
                 }
             }
-            (Value::Finite(a, _), Value::Finite(b, _)) => Value::Finite(multiply_enclosures(a, b), negative),
+            (Value::Finite(a, _), Value::Finite(b, _)) => Value::Finite(a.times(b), negative),
         }
     }
 
@@ -203,9 +145,8 @@ impl Arithmetic for Extended {
             }
             (Value::Infinity(negative), _) | (_, Value::Infinity(negative)) => Value::Infinity(*negative),
             (Value::Finite(a, _), Value::Finite(b, _)) => {
-                let sum = Enclosure { lo: &a.lo + &b.lo, hi: &a.hi + &b.hi };
                 // To nearest, a zero sum is -0 only when both are.
-                Value::Finite(sum, x.is_zero() && y.is_zero() && x.is_negative() && y.is_negative())
+                Value::Finite(a.plus(b), x.is_zero() && y.is_zero() && x.is_negative() && y.is_negative())
             }
         }
     }
@@ -220,13 +161,9 @@ impl Arithmetic for Extended {
             (Value::Infinity(true), _) | (_, Value::Infinity(true)) => Value::Infinity(true),
             (Value::Infinity(false), other) | (other, Value::Infinity(false)) => other.clone(),
             (Value::Finite(a, a_sign), Value::Finite(b, b_sign)) => {
-                let lo = if b.lo < a.lo { &b.lo } else { &a.lo };
-                let hi = if b.hi < a.hi { &b.hi } else { &a.hi };
+                let least = if b.compare(a) == Ordering::Less { b } else { a };
                 // -0 is below +0.
-                Value::Finite(
-                    Enclosure { lo: lo.clone(), hi: hi.clone() },
-                    (x.is_zero() && *a_sign) || (y.is_zero() && *b_sign),
-                )
+                Value::Finite(least.clone(), (x.is_zero() && *a_sign) || (y.is_zero() && *b_sign))
             }
         }
     }
@@ -257,17 +194,16 @@ impl Arithmetic for Extended {
             }
             // Normalised channels are clamped before: neither NaN nor Inf arrives.
             (Value::Nan | Value::Infinity(_), _) => 0,
-            (Value::Finite(x, _), ChannelKind::Unorm(bits)) => {
-                self.encode_by(x, |x| encode_scaled(x, unorm::steps(bits), rounding).0)
-            }
-            (Value::Finite(x, _), ChannelKind::Snorm(bits)) => self.encode_by(x, |x| {
-                let (code, negative) = encode_scaled(x, snorm::steps(bits).unsigned_abs(), rounding);
+            (Value::Finite(x, _), ChannelKind::Srgb) => self.encode_srgb(x),
+            // Irrational numbers come from sRGB channels only, and stay there.
+            (Value::Finite(x, _), ChannelKind::Unorm(bits)) => encode_scaled(&x.near(), unorm::steps(bits), rounding).0,
+            (Value::Finite(x, _), ChannelKind::Snorm(bits)) => {
+                let (code, negative) = encode_scaled(&x.near(), snorm::steps(bits).unsigned_abs(), rounding);
                 let signed = i32::try_from(code).expect("at most N");
                 snorm::stored_code(if negative { -signed } else { signed }, bits)
-            }),
-            (Value::Finite(x, _), ChannelKind::Srgb) => self.encode_srgb(x),
+            }
             (Value::Finite(x, zero_sign), ChannelKind::Float(layout)) => {
-                self.encode_by(x, |x| encode_float(x, *zero_sign, layout, rounding))
+                encode_float(&x.near(), *zero_sign, layout, rounding)
             }
         }
     }
@@ -276,37 +212,26 @@ impl Arithmetic for Extended {
         match x {
             Value::Nan => Number::near(f64::NAN),
             Value::Infinity(negative) => Number::near(if *negative { f64::NEG_INFINITY } else { f64::INFINITY }),
-            Value::Finite(x, zero_sign) if *zero_sign && x.lo.is_zero() && x.hi.is_zero() => Number::binary(-0.0),
-            Value::Finite(x, _) if x.lo == x.hi => Number::rational(x.lo.clone()),
-            Value::Finite(x, _) => Number::near(x.lo.to_f64().unwrap_or(f64::NAN)),
+            Value::Finite(x, zero_sign) if *zero_sign && x.is_zero() => Number::binary(-0.0),
+            Value::Finite(x, _) => match x.rational() {
+                Some(rational) => Number::rational(rational.clone()),
+                None => Number::near(x.near().to_f64().unwrap_or(f64::NAN)),
+            },
         }
     }
 }
 
 impl Extended {
     /// The code of a linear value: how many thresholds it reaches.
-    fn encode_srgb(&self, x: &Enclosure) -> u32 {
+    fn encode_srgb(&self, x: &Real) -> u32 {
         let (mut low, mut high) = (0_u32, 255_u32);
         while low < high {
             let middle = u32::midpoint(low, high);
+            // Toward zero a code begins at its own value, to nearest half-way from the code before.
             let half_code = if self.rounding == Rounding::TowardZero { 2 * middle + 2 } else { 2 * middle + 1 };
-            let at = srgb::linear_enclosure(half_code, self.bits);
-            let reached = if x.lo > at.hi {
-                true
-            } else if x.hi < at.lo {
-                false
-            } else if x.lo == x.hi && at.lo == at.hi {
-                match self.rounding {
-                    Rounding::NearestEven => middle % 2 == 1,
-                    Rounding::NearestAway | Rounding::TowardZero => true,
-                }
-            } else if self.rounding == Rounding::TowardZero
-                && ((&x.lo, &x.hi) == (&at.lo, &at.hi) || self.bits >= FINEST)
-            {
-                true
-            } else {
-                self.in_doubt.set(true);
-                false
+            let reached = match (x.compare_with_point(half_code), self.rounding) {
+                (Ordering::Equal, Rounding::NearestEven) => middle % 2 == 1,
+                (order, _) => order != Ordering::Less,
             };
             if reached { low = middle + 1 } else { high = middle }
         }
@@ -366,27 +291,6 @@ fn scale(n: &BigUint, power: i32) -> BigUint {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Whether an integer ratio p / q (in lowest terms by its own prime powers) is a fifth power of a rational.
-    fn is_fifth_power(p: &BigUint, q: &BigUint) -> bool {
-        let gcd = p.gcd(q);
-        [p / &gcd, q / &gcd].iter().all(|n| n.nth_root(5).pow(5) == *n)
-    }
-
-    #[test]
-    fn no_code_shares_a_class_with_a_threshold() {
-        let one = BigUint::from(10761_u32);
-        let codes: Vec<BigUint> = (11..=254_u32).map(|c| BigUint::from(40 * c + 561)).collect();
-        let thresholds: Vec<BigUint> = (10..=254_u32).map(|c| BigUint::from(40 * c + 581)).collect();
-        for y in &thresholds {
-            // A threshold is itself irrational.
-            assert!(!is_fifth_power(y, &one), "threshold {y}");
-            for x in &codes {
-                assert!(!is_fifth_power(x, y), "code {x}, threshold {y}");
-                assert!(!is_fifth_power(&(x * x), &(y * &one)), "code {x} squared, threshold {y}");
-            }
-        }
-    }
 
     #[test]
     fn rational_float_encoding_agrees_with_the_f64_one() {

@@ -2,11 +2,12 @@
 //!
 //! Every finite `f32` input, every stored code, and infinities, NaN and signed zeros by IEEE 754's rules. The equation
 //! is first run in [`bounded`] arithmetic: `f64` numbers with a proven bound on their error. Where that bound cannot
-//! decide the rounding, the same equation is run again in [`extended`] arithmetic: rationals, with the irrational sRGB
-//! values enclosed as tightly as the decision needs.
+//! decide the rounding, the same equation is run again in [`extended`] arithmetic on [`real`] numbers, which knows every
+//! number exactly and decides ties by algebra.
 
 pub mod bounded;
 pub mod extended;
+pub mod real;
 
 use wgpu_types::BlendState;
 
@@ -16,9 +17,6 @@ use crate::format::{Codes, ColorFormat, Rounding};
 
 use bounded::Bounded;
 use extended::Extended;
-
-/// Bits of the first and the finest enclosure tried. Decisions that are not ties need far fewer than the finest.
-const PRECISIONS: [u32; 6] = [128, 256, 512, 1024, 4096, extended::FINEST];
 
 /// The `exact` model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -39,25 +37,11 @@ impl Exact {
         (!arithmetic.in_doubt()).then_some(codes)
     }
 
-    /// The result by rational arithmetic alone; slow, and equal to [`NumericModel::merge_color`] by construction of the
+    /// The result by exact arithmetic alone; slow, and equal to [`NumericModel::merge_color`] by construction of the
     /// bound (and by test).
     #[must_use]
     pub fn merge_color_rational(self, inputs: &ColorInputs) -> Codes {
-        self.extended(inputs, evaluate).1
-    }
-
-    /// Runs `run` with growing precision until no rounding is in doubt.
-    fn extended<T>(self, inputs: &ColorInputs, run: impl Fn(&Extended, &ColorInputs) -> T) -> (Extended, T) {
-        for bits in PRECISIONS {
-            let arithmetic = Extended::new(self.rounding, bits);
-            let result = run(&arithmetic, inputs);
-            if !arithmetic.in_doubt() {
-                return (arithmetic, result);
-            }
-        }
-        // Only an sRGB channel has irrational numbers in it, and a sum of them that met a threshold exactly would have
-        // to be rational: see the note on ties in `extended`.
-        unreachable!("an enclosure of 2^-16384 decides every rounding that is not a tie")
+        evaluate(&Extended::new(self.rounding), inputs)
     }
 }
 
@@ -85,7 +69,7 @@ impl NumericModel for Exact {
     }
 
     fn explain_color(&self, inputs: &ColorInputs) -> Explanation {
-        self.extended(inputs, explain).1
+        explain(&Extended::new(self.rounding), inputs)
     }
 
     fn float_rule(&self) -> Option<crate::kernel::FloatRule> {
