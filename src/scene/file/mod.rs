@@ -12,6 +12,7 @@ mod position;
 mod schema;
 #[cfg(test)]
 mod tests;
+mod tuple;
 
 pub use error::{FieldPath, SceneFileError};
 

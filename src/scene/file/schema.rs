@@ -5,6 +5,7 @@ use serde::Deserialize;
 use serde::de::{Deserializer, Error, Visitor};
 use wgpu_types::{AddressMode, FilterMode, MipmapFilterMode};
 
+use super::tuple;
 use crate::scene::description::{Display, Order, Output, Reference};
 use crate::scene::material::{RenderingMode, Shader};
 use crate::scene::raster::Rasteriser;
@@ -25,7 +26,7 @@ pub(super) struct FileScene {
     pub(super) target: FileTarget,
     #[serde(default)]
     pub(super) camera: FileCamera,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "tuple::one")]
     pub(super) ambient: [f32; 3],
     #[serde(default)]
     pub(super) light: Vec<FileLight>,
@@ -53,6 +54,7 @@ pub(super) struct FileTarget {
     pub(super) height: i64,
     /// One color target; or use `[[target.color]]`.
     pub(super) format: Option<String>,
+    #[serde(default, deserialize_with = "tuple::optional")]
     pub(super) clear: Option<[f32; 4]>,
     #[serde(default)]
     pub(super) color: Vec<FileColor>,
@@ -72,7 +74,7 @@ pub(super) struct FileTarget {
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub(super) struct FileColor {
     pub(super) format: String,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "tuple::one")]
     pub(super) clear: [f32; 4],
     #[serde(default)]
     pub(super) output: Output,
@@ -82,8 +84,11 @@ pub(super) struct FileColor {
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub(super) struct FileCamera {
+    #[serde(default, deserialize_with = "tuple::optional")]
     pub(super) eye: Option<[f64; 3]>,
+    #[serde(default, deserialize_with = "tuple::optional")]
     pub(super) look_at: Option<[f64; 3]>,
+    #[serde(default, deserialize_with = "tuple::optional")]
     pub(super) up: Option<[f64; 3]>,
     /// Degrees; makes the camera perspective.
     pub(super) fov_y: Option<f64>,
@@ -100,9 +105,12 @@ pub(super) struct FileCamera {
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub(super) struct FileLight {
     /// The way the light travels.
+    #[serde(default, deserialize_with = "tuple::optional")]
     pub(super) direction: Option<[f32; 3]>,
+    #[serde(default, deserialize_with = "tuple::optional")]
     pub(super) position: Option<[f32; 3]>,
     pub(super) range: Option<f32>,
+    #[serde(default, deserialize_with = "tuple::optional")]
     pub(super) color: Option<[f32; 3]>,
 }
 
@@ -114,8 +122,9 @@ pub(super) struct FileTexture {
     /// A PNG file, relative to the scene's.
     pub(super) file: Option<String>,
     pub(super) pattern: Option<Pattern>,
+    #[serde(default, deserialize_with = "tuple::optional")]
     pub(super) size: Option<[i64; 2]>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "tuple::list")]
     pub(super) colors: Vec<[f32; 4]>,
     pub(super) cells: Option<u32>,
     /// What the stored values mean; no default, since guessing wrong changes every pixel.
@@ -126,6 +135,7 @@ pub(super) struct FileTexture {
     #[serde(default)]
     pub(super) premultiplied: bool,
     pub(super) filter: Option<FilterMode>,
+    #[serde(default, deserialize_with = "tuple::optional")]
     pub(super) address: Option<[AddressMode; 2]>,
     pub(super) mips: Option<MipmapFilterMode>,
 }
@@ -138,9 +148,9 @@ pub(super) struct FileMesh {
     pub(super) sphere_segments: Option<u32>,
     /// An OBJ file, relative to the scene's.
     pub(super) file: Option<String>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "tuple::list")]
     pub(super) positions: Vec<[f64; 3]>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "tuple::list")]
     pub(super) uvs: Vec<[f64; 2]>,
     /// Planar convex polygons, counter-clockwise from outside, as indices into `positions`.
     #[serde(default)]
@@ -154,6 +164,7 @@ pub(super) struct FileMaterial {
     pub(super) name: String,
     #[serde(default)]
     pub(super) mode: RenderingMode,
+    #[serde(default, deserialize_with = "tuple::optional")]
     pub(super) tint: Option<[f32; 4]>,
     pub(super) texture: Option<String>,
     pub(super) cutoff: Option<f32>,
@@ -178,6 +189,7 @@ pub(super) struct FilePass {
     /// ShaderLab state commands, with ShaderLab's defaults; without them the mode's state.
     pub(super) state: Option<String>,
     /// RGBA; all zero as WebGPU has it.
+    #[serde(default, deserialize_with = "tuple::optional")]
     pub(super) blend_constant: Option<[f32; 4]>,
 }
 
@@ -189,9 +201,12 @@ pub(super) struct FileObject {
     /// `quad`, `cube`, `sphere` or the name of a `[[mesh]]`.
     pub(super) mesh: String,
     pub(super) material: String,
+    #[serde(default, deserialize_with = "tuple::optional")]
     pub(super) position: Option<[f64; 3]>,
     /// Degrees about x, y and z, applied in that order.
+    #[serde(default, deserialize_with = "tuple::optional")]
     pub(super) rotation: Option<[f64; 3]>,
+    #[serde(default, deserialize_with = "tuple::optional")]
     pub(super) scale: Option<[f64; 3]>,
 }
 
@@ -202,8 +217,11 @@ pub(super) struct FileModel {
     pub(super) name: String,
     /// A `.gltf` or `.glb` file, relative to the scene's.
     pub(super) file: String,
+    #[serde(default, deserialize_with = "tuple::optional")]
     pub(super) position: Option<[f64; 3]>,
+    #[serde(default, deserialize_with = "tuple::optional")]
     pub(super) rotation: Option<[f64; 3]>,
+    #[serde(default, deserialize_with = "tuple::optional")]
     pub(super) scale: Option<[f64; 3]>,
 }
 
@@ -212,6 +230,7 @@ pub(super) struct FileModel {
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub(super) struct FileReplacement {
     pub(super) render_type: String,
+    #[serde(deserialize_with = "tuple::one")]
     pub(super) color: [f32; 3],
     #[serde(default)]
     pub(super) keep_others: bool,

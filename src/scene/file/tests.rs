@@ -195,3 +195,80 @@ fn faces_must_be_planar_and_convex() {
         assert!(error.contains("mesh[0].faces[0]") && error.contains(why), "{faces}: {error}");
     }
 }
+
+/// Every array of fixed length that a scene file may hold.
+const ARRAYS: &str = r#"version = 1
+title = "Arrays"
+ambient = [0.1, 0.1, 0.1]
+[target]
+width = 16
+height = 16
+[[target.color]]
+format = "rgba8unorm"
+clear = [0.0, 0.0, 0.0, 1.0]
+[camera]
+eye = [0.0, 0.0, 5.0]
+look-at = [0.0, 0.0, 0.0]
+up = [0.0, 1.0, 0.0]
+[[light]]
+direction = [0.0, -1.0, 0.0]
+color = [1.0, 1.0, 1.0]
+[[light]]
+position = [0.0, 1.0, 0.0]
+range = 4.0
+[[texture]]
+name = "checks"
+pattern = "checker"
+size = [8, 8]
+colors = [[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1.0]]
+space = "linear"
+address = ["repeat", "repeat"]
+[[mesh]]
+name = "face"
+positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
+uvs = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]
+faces = [[0, 1, 2]]
+[[material]]
+name = "red"
+mode = "fade"
+tint = [1.0, 0.0, 0.0, 0.5]
+texture = "checks"
+[[material.pass]]
+blend-constant = [0.0, 0.0, 0.0, 0.0]
+[[object]]
+mesh = "face"
+material = "red"
+position = [0.0, 0.0, 0.0]
+rotation = [0.0, 0.0, 0.0]
+scale = [1.0, 1.0, 1.0]
+[replacement]
+render-type = "Opaque"
+color = [1.0, 0.0, 0.0]
+"#;
+
+#[test]
+fn an_array_with_one_element_too_many_or_too_few_is_refused() {
+    parse(ARRAYS).expect("a correct scene");
+    let mut tried = 0;
+    // Every innermost array but the corners of a face, whose number is free.
+    for (start, _) in ARRAYS.match_indices('[') {
+        let rest = &ARRAYS[start..];
+        let Some(end) = rest.find(']').filter(|end| !rest[1..*end].contains(['[', '\n'])) else { continue };
+        let array = &rest[..=end];
+        if !array.contains(',') || array == "[0, 1, 2]" {
+            continue;
+        }
+        let first = array[1..].split(',').next().expect("two elements or more");
+        let more = format!("[{first}, {}", &array[1..]);
+        let fewer = array.replacen(&format!("{first}, "), "", 1);
+        for changed in [more, fewer] {
+            let text = format!("{}{changed}{}", &ARRAYS[..start], &rest[end + 1..]);
+            let error = parse(&text).expect_err(&changed).to_string();
+            assert!(error.contains("expected an array of"), "{changed}: {error}");
+            let line = ARRAYS[..start].matches('\n').count() + 1;
+            assert!(error.starts_with(&format!("folder/test.toml:{line}:")), "line {line}: {error}");
+            tried += 1;
+        }
+    }
+    assert_eq!(tried, 2 * 24, "every array of the sample");
+}
