@@ -89,6 +89,7 @@
 //! | [`model`] | numeric models: arithmetic only, no equations |
 //! | [`plan`] | what a draw needs, and what can be left out unseen |
 //! | [`limit`] | bounds on what inputs may ask for |
+//! | [`verdict`] | what a comparison may end in: words and exit status |
 //! | `scene` (feature `scene`) | a mini fragment pipeline: geometry, textures, materials, draw order |
 //! | `vectors` (feature `json`) | test vectors as JSON lines |
 //! | `analysis`, `report` (feature `report`) | premultiplied textures, bounds, stability, error against time; HTML |
@@ -121,6 +122,8 @@ pub mod merger;
 pub mod model;
 
 pub mod limit;
+
+pub mod verdict;
 
 pub mod plan;
 

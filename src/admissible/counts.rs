@@ -1,6 +1,7 @@
 //! How many texels or states got each verdict.
 
 use super::{Class, Verdict};
+use crate::verdict::Verdict as Ended;
 
 /// Numbers by verdict.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -70,11 +71,33 @@ impl Counts {
             () => Verdict::Undefined,
         }
     }
+
+    /// What judging them ended in: undefined results alone are not covered, as any result conforms.
+    #[must_use]
+    pub fn ended(&self) -> Ended {
+        match (self.outside, self.total() - self.undefined) {
+            (1.., _) => Ended::Fails,
+            (0, 1..) => Ended::Holds,
+            (0, 0) if self.undefined > 0 => Ended::NotCovered,
+            (0, 0) => Ended::NotRun,
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn undefined_results_alone_decide_nothing() {
+        let undefined = Counts::one(Verdict::Undefined);
+        assert_eq!((Counts::default().ended(), undefined.ended()), (Ended::NotRun, Ended::NotCovered));
+        for (verdict, ended) in [(Verdict::Within(Class::Wide), Ended::Holds), (Verdict::Outside, Ended::Fails)] {
+            let mut counts = undefined;
+            counts.add(Counts::one(verdict));
+            assert_eq!(counts.ended(), ended, "with {verdict:?}");
+        }
+    }
 
     #[test]
     fn the_widest_class_in_use_is_the_verdict() {

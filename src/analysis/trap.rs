@@ -76,13 +76,23 @@ pub struct Blend {
 /// Values this little beyond a range come of binary32 roundings, not of the scene.
 const SLACK: f64 = 1.0 / 1_048_576.0;
 
-/// Renders a scene until a fragment is caught; `None` if none is. Fragments that reach no color target are let pass, but
+/// What a search came to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Search {
+    /// Fragments looked at.
+    pub fragments: usize,
+    /// The first that is caught.
+    pub caught: Option<Caught>,
+}
+
+/// Renders a scene until a fragment is caught, if one is. Fragments that reach no color target are let pass, but
 /// for their depth.
 ///
 /// # Errors
 /// [`SceneError`].
-pub fn find(scene: &Scene, model: &dyn NumericModel, traps: &[Trap]) -> Result<Option<Caught>, SceneError> {
+pub fn find(scene: &Scene, model: &dyn NumericModel, traps: &[Trap]) -> Result<Search, SceneError> {
     let mut targets = scene.cleared()?;
+    let mut seen = 0;
     for (index, draw) in scene.draws().iter().enumerate() {
         let merger = Merger::new(&draw.state, model, &targets).map_err(|source| SceneError::Merger {
             index,
@@ -97,6 +107,7 @@ pub fn find(scene: &Scene, model: &dyn NumericModel, traps: &[Trap]) -> Result<O
                 if caught.is_some() {
                     return;
                 }
+                seen += 1;
                 let (x, y) = (pixel.x, pixel.y);
                 let trace = merger.trace(&pixel.fragment, x, y, framebuffer);
                 let merged = trace.samples.iter().filter(|sample| sample.fate == Fate::Merged);
@@ -128,10 +139,10 @@ pub fn find(scene: &Scene, model: &dyn NumericModel, traps: &[Trap]) -> Result<O
             }
         });
         if caught.is_some() {
-            return Ok(caught);
+            return Ok(Search { fragments: seen, caught });
         }
     }
-    Ok(None)
+    Ok(Search { fragments: seen, caught: None })
 }
 
 impl Blend {
@@ -209,7 +220,9 @@ mod tests {
     }
 
     fn caught(scene: &Scene, traps: &[Trap]) -> Option<Caught> {
-        find(scene, &Exact::default(), traps).expect("the scene renders")
+        let search = find(scene, &Exact::default(), traps).expect("the scene renders");
+        assert!(search.fragments > 0, "something was looked at");
+        search.caught
     }
 
     #[test]

@@ -49,6 +49,12 @@ struct Row {
     found: Option<f64>,
 }
 
+/// As JSON has it.
+#[derive(serde::Serialize)]
+struct Bounds<'a> {
+    bounds: &'a [Row],
+}
+
 impl BoundCommand {
     pub(super) fn run(self) -> Result<Outcome, Failure> {
         let model = registry::by_name(&self.model)?;
@@ -74,11 +80,11 @@ impl BoundCommand {
             output::write_chart(path, &section::chart(&curves, self.layers))?;
         }
         if self.json {
-            output::print_json(&rows)?;
+            output::print_json("bound", &Bounds { bounds: &rows })?;
         } else {
             output::print(&self.text(&rows))?;
         }
-        Ok(Outcome::Fine)
+        Ok(Outcome::Done)
     }
 
     fn row(&self, format: ColorFormat, model: &dyn NumericModel, bound: Bound) -> Row {

@@ -1,6 +1,7 @@
 //! `outmerge conform`: a device against numeric models, bit for bit, and against specifications.
 
 use std::collections::BTreeMap;
+use std::io::Read as _;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
@@ -12,9 +13,11 @@ use super::{Failure, Outcome, output};
 use crate::conform::log::Log;
 use crate::conform::result::VERSION;
 use crate::conform::run::Subject;
-use crate::conform::{Level, Panel, Results, Shard, Unit, compare, junit, level, table};
+use crate::conform::{Asked, Level, Panel, Results, Shard, Unit, compare, file, junit, table};
 use crate::crosscheck::{Device, OpenOptions, adapter};
+use crate::format::{ColorFormat, DepthFormat};
 use crate::model::registry;
+use crate::verdict::Verdict;
 
 /// Arguments of `conform`.
 #[derive(Debug, Args)]
@@ -62,6 +65,44 @@ struct Merge {
     /// Where to write the table as Markdown.
     #[arg(long)]
     markdown: Option<PathBuf>,
+    #[command(flatten)]
+    demands: Demands,
+}
+
+/// What must have been run, beside what is compared.
+#[derive(Debug, Args)]
+struct Demands {
+    /// Number of units that must have been run, exit 1 if it is another: a driver that suddenly lacks a format is noticed.
+    #[arg(long, value_name = "UNITS")]
+    expect: Option<usize>,
+    /// Formats, comma separated, of which every unit must have been run, exit 1 if one was not.
+    #[arg(long, value_name = "FORMAT", value_delimiter = ',')]
+    require: Vec<String>,
+}
+
+impl Demands {
+    /// Formats are known by name, so that a slip is no failure of the device.
+    fn check(&self) -> Result<(), Failure> {
+        for name in &self.require {
+            if DepthFormat::from_name(name).is_none() {
+                ColorFormat::from_name(name).map_err(|error| format!("--require: {error}"))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// What the results end in, with a complaint for each demand that is not met.
+    fn verdict(&self, results: &Results, all_shards: bool) -> Verdict {
+        let mut complaints = results.lacking(&self.require);
+        complaints.iter_mut().for_each(|complaint| complaint.insert_str(0, "--require "));
+        let run = results.units_run();
+        if let Some(expected) = self.expect.filter(|expected| *expected != run) {
+            complaints.push(format!("--expect {expected}: {run} units were run"));
+        }
+        complaints.iter().for_each(|complaint| output::complain(complaint));
+        let demands = if complaints.is_empty() { None } else { Some(Verdict::Fails) };
+        Verdict::of_all([results.verdict(all_shards)].into_iter().chain(demands))
+    }
 }
 
 /// Arguments of a sweep.
@@ -70,12 +111,14 @@ struct Sweep {
     /// Part of the adapter's name or driver; `gl:NAME` looks among OpenGL's (feature `gl`), `gl:` takes the first.
     #[arg(long, short)]
     adapter: Option<String>,
-    /// Model that must match, exit 1 if it does not; all models, to say which fits, unless given or --spec is. May be
-    /// repeated.
+    /// Model that must match, exit 1 if it does not. May be repeated. Unless given, and unless --spec is, all models are
+    /// tried, exit 1 if none matches.
     #[arg(long, short)]
     model: Vec<String>,
     #[command(flatten)]
     judging: Judging,
+    #[command(flatten)]
+    demands: Demands,
     /// How thorough.
     #[arg(long, short, value_enum, default_value_t = Level::Quick)]
     level: Level,
@@ -133,61 +176,59 @@ fn adapters() -> Result<Outcome, Failure> {
     for report in adapter::Adapters::enumerate_gl().reports() {
         output::print(&format!("{}{report}\n", adapter::GL_PREFIX))?;
     }
-    Ok(Outcome::Fine)
+    Ok(Outcome::Done)
 }
 
 fn read(path: &Path) -> Result<Results, Failure> {
-    let results: Results =
-        serde_json::from_reader(output::open(path)?).map_err(|error| format!("{}: {error}", path.display()))?;
-    if results.version == VERSION {
-        return Ok(results);
-    }
-    let version = results.version;
-    Err(format!("{}: results of version {version}; this program reads version {VERSION}", path.display()).into())
+    let mut text = String::new();
+    output::open(path)?
+        .read_to_string(&mut text)
+        .map_err(|error| format!("cannot read {}: {error}", path.display()))?;
+    Ok(file::read(&text).map_err(|error| format!("{}: {error}", path.display()))?)
 }
 
 impl Compare {
     fn run(self) -> Result<Outcome, Failure> {
         let devices = self.files.iter().map(|path| read(path)).collect::<Result<Vec<_>, _>>()?;
         write_text(&self.output, &compare::markdown(&devices))?;
-        Ok(Outcome::Fine)
+        Ok(Outcome::Judged(compare::verdict(&devices)))
     }
 }
 
 impl Merge {
     fn run(self) -> Result<Outcome, Failure> {
+        self.demands.check()?;
         let results = Results::merge(self.files.iter().map(|path| read(path)).collect::<Result<_, _>>()?)?;
         if let Some(path) = &self.output {
-            write_json(path, &results)?;
+            write_text(path, &file::write(&results)?)?;
         }
         if let Some(path) = &self.junit {
-            write_junit(path, &results)?;
+            write_text(path, &junit::xml(&results, true)?)?;
         }
         if let Some(path) = &self.markdown {
-            write_text(path, &table::markdown(&results))?;
+            write_text(path, &table::markdown(&results, true))?;
         }
-        output::print(&table::text(&results))?;
-        let matched = results.totals().values().any(|total| total.mismatches == 0 && total.states > 0);
-        let outside = results.spec_totals().values().any(|spec| spec.texels.outside > 0 || spec.texels.total() == 0);
-        Ok(if (matched || results.models.is_empty()) && !outside { Outcome::Fine } else { Outcome::Finding })
+        output::print(&table::text(&results, true))?;
+        Ok(Outcome::Judged(self.demands.verdict(&results, true)))
     }
 }
 
 impl Sweep {
     fn run(self) -> Result<Outcome, Failure> {
-        let wanted = |(place, unit): &(usize, Unit)| {
-            let has = |text: &String| unit.id().contains(text);
-            self.shard.has(*place) && self.only.as_ref().is_none_or(has) && !self.skip.as_ref().is_some_and(has)
+        self.demands.check()?;
+        let asked = Asked {
+            only: self.only.clone(),
+            skip: self.skip.clone(),
+            texels: self.texels,
+            every_model: !self.model.is_empty(),
         };
-        let units: Vec<Unit> = level::units_of(self.level, self.texels)
-            .into_iter()
-            .enumerate()
-            .filter(wanted)
-            .map(|(_, unit)| unit)
-            .collect();
+        let units: Vec<Unit> = asked.units(self.level, &[self.shard]).collect();
+        if units.is_empty() {
+            return Err(self.no_unit());
+        }
         if self.list {
             output::print(&units.iter().map(|unit| unit.id() + "\n").collect::<String>())?;
-            return Ok(Outcome::Fine);
+            return Ok(Outcome::Done);
         }
         // Names are checked before a device is opened; what they leave unsaid is then the device's.
         for name in &self.model {
@@ -216,25 +257,26 @@ impl Sweep {
             adapter: device.report().to_string(),
             driver: Some(device.report().record()),
             level: self.level,
-            shards: vec![self.shard.to_string()],
+            asked,
+            shards: vec![self.shard],
             models: panel.subjects.iter().map(|subject| subject.name.clone()).collect(),
             specs: panel.judges.iter().map(|judge| judge.spec.name().to_owned()).collect(),
             units: Vec::new(),
         };
         self.sweep(&device, &panel, &units, &mut results)?;
         if let Some(path) = &self.json_file {
-            write_json(path, &results)?;
+            write_text(path, &file::write(&results)?)?;
         }
         if let Some(path) = &self.junit {
-            write_junit(path, &results)?;
+            write_text(path, &junit::xml(&results, false)?)?;
         }
         if let Some(path) = &self.markdown {
-            write_text(path, &table::markdown(&results))?;
+            write_text(path, &table::markdown(&results, false))?;
         }
         if self.json {
-            output::print_json(&results)?;
+            output::print(&file::write(&results)?)?;
         } else {
-            output::print(&table::text(&results))?;
+            output::print(&table::text(&results, false))?;
         }
         if let Err(fault) = device.check() {
             let missing = results.units.iter().filter(|unit| unit.not_run.is_some()).count();
@@ -242,10 +284,21 @@ impl Sweep {
                 if self.log.is_some() { "the log keeps the others" } else { "with --log the others would be kept" };
             return Err(format!("{fault}; {missing} units were not run, {hint}").into());
         }
-        let failed = results.totals().values().any(|total| total.mismatches > 0 || total.states == 0);
-        let named = !self.model.is_empty();
-        let outside = results.spec_totals().values().any(|spec| spec.texels.outside > 0 || spec.texels.total() == 0);
-        Ok(if (named && failed) || outside { Outcome::Finding } else { Outcome::Fine })
+        Ok(Outcome::Judged(self.demands.verdict(&results, false)))
+    }
+
+    /// Why there is no unit to run.
+    fn no_unit(&self) -> Failure {
+        let mut why = String::new();
+        if let Some(only) = &self.only {
+            why.push_str(&format!(", --only {only}"));
+        }
+        if let Some(skip) = &self.skip {
+            why.push_str(&format!(", --skip {skip}"));
+        }
+        let (level, shard) = (self.level, self.shard);
+        format!("{}: level {level}, shard {shard}{why} has no unit; --list prints those of a level", Verdict::NotRun)
+            .into()
     }
 
     /// Runs the units that the log does not have yet.
@@ -274,16 +327,6 @@ impl Sweep {
         results.units = units.iter().filter_map(|unit| outcomes.remove(&unit.id())).collect();
         failure.map_or(Ok(()), Err)
     }
-}
-
-fn write_json(path: &Path, results: &Results) -> Result<(), Failure> {
-    let json = serde_json::to_string_pretty(results)?;
-    output::write_file(path, |file| Ok(writeln!(file, "{json}")?))
-}
-
-fn write_junit(path: &Path, results: &Results) -> Result<(), Failure> {
-    let xml = junit::xml(results)?;
-    write_text(path, &xml)
 }
 
 fn write_text(path: &Path, text: &str) -> Result<(), Failure> {

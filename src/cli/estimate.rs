@@ -35,6 +35,6 @@ impl EstimateCommand {
         });
         let comments = [format!("Reciprocal square root estimates of {processor}.")];
         output::write_file(&self.output, |file| Ok(file.write_all(recording.to_text(&comments).as_bytes())?))?;
-        Ok(Outcome::Fine)
+        Ok(Outcome::Done)
     }
 }

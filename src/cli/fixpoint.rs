@@ -51,6 +51,21 @@ pub(super) struct Fixpoint {
     json: bool,
 }
 
+/// Answers as JSON has them.
+#[derive(serde::Serialize)]
+struct Answers<'a> {
+    answers: &'a [Answer],
+    /// Models that do not cover the state.
+    left_out: &'a [String],
+}
+
+/// Sweeps as JSON has them.
+#[derive(serde::Serialize)]
+struct Sweeps<'a> {
+    sweeps: &'a [Sweep],
+    left_out: &'a [String],
+}
+
 impl Fixpoint {
     pub(super) fn run(self) -> Result<Outcome, Failure> {
         let format = ColorFormat::from_name(&self.format)?;
@@ -69,8 +84,8 @@ impl Fixpoint {
         let text = if self.every {
             let sweeps = sweep_all(&question, &models)?;
             if self.json {
-                output::print_json(&sweeps)?;
-                return Ok(Outcome::Fine);
+                output::print_json("fixpoint-every", &Sweeps { sweeps: &sweeps, left_out: &left_out })?;
+                return Ok(Outcome::Done);
             }
             sweep_table(&sweeps)
         } else {
@@ -81,13 +96,14 @@ impl Fixpoint {
                 .map(|model| fixpoint::analyze(&question, *model, exact.as_ref(), from))
                 .collect::<Result<Vec<_>, _>>()?;
             if self.json {
-                output::print_json(&answers)?;
-                return Ok(Outcome::Fine);
+                output::print_json("fixpoint", &Answers { answers: &answers, left_out: &left_out })?;
+                return Ok(Outcome::Done);
             }
             self.answer_text(&question, &answers)
         };
+        let left_out: String = left_out.iter().map(|reason| format!("left out: {reason}\n")).collect();
         output::print(&(text + &left_out))?;
-        Ok(Outcome::Fine)
+        Ok(Outcome::Done)
     }
 
     fn models(&self) -> Result<Vec<Box<dyn NumericModel>>, Failure> {
@@ -142,20 +158,18 @@ impl Fixpoint {
     }
 }
 
-/// The models that cover the state, and a line for each that does not.
+/// The models that cover the state, and for each that does not, why.
 fn covering<'a>(
     models: &'a [Box<dyn NumericModel>],
     question: &Question,
-) -> Result<(Vec<&'a dyn NumericModel>, String), Failure> {
+) -> Result<(Vec<&'a dyn NumericModel>, Vec<String>), Failure> {
     let mut covering = Vec::new();
-    let mut left_out = String::new();
+    let mut left_out = Vec::new();
     for model in models {
         match model.supports(question.format, question.blend.as_ref()) {
             Ok(()) => covering.push(model.as_ref()),
             Err(reason) if models.len() == 1 => return Err(reason.into()),
-            Err(reason) => {
-                let _ = writeln!(left_out, "left out: {reason}");
-            }
+            Err(reason) => left_out.push(reason.to_string()),
         }
     }
     Ok((covering, left_out))

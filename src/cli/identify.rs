@@ -18,6 +18,7 @@ use crate::model::{ColorInputs, NumericModel, registry};
 use crate::state::shaderlab::Properties;
 use crate::state::text;
 use crate::vectors::{Entry, Line, VectorLine};
+use crate::verdict::Verdict;
 
 /// Arguments of `identify`.
 #[derive(Debug, Args)]
@@ -55,6 +56,8 @@ pub(super) struct Identify {
 /// The answer.
 #[derive(Serialize)]
 struct Answer {
+    /// Whether a model reproduces the samples.
+    verdict: Verdict,
     /// What was asked.
     subject: String,
     /// Samples compared.
@@ -96,7 +99,9 @@ impl Identify {
                 Ok(())
             })?;
         }
+        let verdict = Verdict::of_search(found.reproduced_by.is_empty(), found.samples.len());
         let answer = Answer {
+            verdict,
             subject,
             samples: found.samples.len(),
             rests_on: found.asked,
@@ -106,11 +111,11 @@ impl Identify {
             proposed: next.len(),
         };
         if self.json {
-            output::print_json(&answer)?;
+            output::print_json("identify", &answer)?;
         } else {
             output::print(&self.text(&answer))?;
         }
-        Ok(if answer.reproduced_by.is_empty() { Outcome::Finding } else { Outcome::Fine })
+        Ok(Outcome::Judged(verdict))
     }
 
     fn question(&self, first: ColorFormat) -> Question {
@@ -127,6 +132,9 @@ impl Identify {
         let samples = if is_json { from_lines(input) } else { from_csv(input, format) }.map_err(named)?;
         if samples.is_empty() {
             return Err(named("no samples: lines of kind color with `out` are wanted".to_owned()));
+        }
+        if samples.iter().all(|sample| sample.mask.is_empty()) {
+            return Err(named("no sample writes a channel, so that every model would reproduce them".to_owned()));
         }
         let fits = fit(candidates, &samples);
         let reproduced_by =

@@ -8,6 +8,7 @@ use super::vectors::in_file;
 use super::{Failure, Outcome, limits, output};
 use crate::admissible::{Counts, Judge, Policy, Spec, Verdict};
 use crate::vectors::{self, Violation};
+use crate::verdict::Verdict as Ended;
 
 /// Whose rules, and what is assumed where they are silent.
 #[derive(Clone, Debug, Args)]
@@ -52,13 +53,14 @@ pub(super) struct JudgeVectors {
 impl JudgeVectors {
     pub(super) fn run(self) -> Result<Outcome, Failure> {
         let mut judges = self.judging.judges();
+        let asked_for = !judges.is_empty();
         if judges.is_empty() {
             judges = Judging { spec: Spec::ALL.to_vec(), ..self.judging.clone() }.judges();
         }
         // Each specification reads the input from the start.
         let mut bytes = Vec::new();
         std::io::Read::read_to_end(&mut output::open(&self.input)?, &mut bytes)?;
-        let (mut text, mut reports, mut outside) = (String::new(), Vec::new(), false);
+        let (mut text, mut reports) = (String::new(), Vec::new());
         for judge in &judges {
             let (mut violations, mut shown) = (String::new(), 0);
             let report = vectors::judge(judge, bytes.as_slice(), limits::get(), |violation| {
@@ -71,18 +73,27 @@ impl JudgeVectors {
             if shown > self.show {
                 violations.push_str(&format!("... and {} more lines outside\n", shown - self.show));
             }
-            outside |= report.total.texels.outside > 0;
             text.push_str(&table(&report));
             text.push_str(&violations);
             reports.push(report);
         }
+        // Each specification that was named must be met; of those that were not, one that says something is enough.
+        let each = reports.iter().map(|report| report.verdict);
+        let verdict = if asked_for { Ended::of_all(each) } else { Ended::of_parts(each) };
         if self.json {
-            output::print_json(&reports)?;
+            output::print_json("vectors-judge", &Report { verdict, specifications: &reports })?;
         } else {
             output::print(&text)?;
         }
-        Ok(if outside { Outcome::Finding } else { Outcome::Fine })
+        Ok(Outcome::Judged(verdict))
     }
+}
+
+/// As JSON has it.
+#[derive(serde::Serialize)]
+struct Report<'a> {
+    verdict: Ended,
+    specifications: &'a [vectors::Judgements],
 }
 
 fn table(report: &vectors::Judgements) -> String {
@@ -106,12 +117,14 @@ fn table(report: &vectors::Judgements) -> String {
             "not judged: {lines} lines of several layers, as what each layer read is not recorded\n"
         ));
     }
-    let verdict = match total.texels.verdict() {
-        Verdict::Outside => "does not conform".to_owned(),
-        Verdict::Undefined => "nothing to judge: any result conforms".to_owned(),
-        Verdict::Within(_) => format!("conforms, class {}", total.texels.verdict().name()),
+    let ended = report.verdict;
+    let more = match ended {
+        Ended::Holds => format!(", class {}", total.texels.verdict().name()),
+        Ended::Fails => ": results are outside what it admits".to_owned(),
+        Ended::NotCovered if total.texels.total() > 0 => ": any result conforms".to_owned(),
+        _ => format!(": {}", ended.meaning()),
     };
-    text.push_str(&format!("{}: {verdict}\n", report.spec));
+    text.push_str(&format!("{}: {ended}{more}\n", report.spec));
     text
 }
 

@@ -13,6 +13,7 @@ use crate::scene::Scene;
 use crate::state::preset;
 use crate::state::shaderlab::Properties;
 use crate::state::text;
+use crate::verdict::Verdict;
 
 /// Arguments of `lint`.
 #[derive(Debug, Args)]
@@ -37,6 +38,15 @@ pub(super) struct Lint {
     json: bool,
 }
 
+/// As JSON has it.
+#[derive(serde::Serialize)]
+struct Report<'a> {
+    verdict: Verdict,
+    /// Rules that were asked.
+    rules: usize,
+    findings: &'a [Finding],
+}
+
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Source {
     Straight,
@@ -51,19 +61,22 @@ impl Lint {
                 table.add_row([rule.name, rule.about]);
             });
             output::print(&output::lines(&table))?;
-            return Ok(Outcome::Fine);
+            return Ok(Outcome::Done);
         };
-        let (findings, is_scene) = if names_scene(subject) {
-            (lint_scene(&render::load(subject)?)?, true)
+        let (findings, is_scene, states) = if names_scene(subject) {
+            let scene = render::load(subject)?;
+            (lint_scene(&scene)?, true, scene.draws().len())
         } else {
-            (lint_state(&self.question(subject)?), false)
+            (lint_state(&self.question(subject)?), false, 1)
         };
+        // A scene that draws nothing has no mistakes, and no merits.
+        let verdict = Verdict::of_search(!findings.is_empty(), states);
         if self.json {
-            output::print_json(&findings)?;
+            output::print_json("lint", &Report { verdict, rules: RULES.len(), findings: &findings })?;
         } else {
             output::print(&text(&findings, is_scene.then_some(subject))?)?;
         }
-        Ok(if findings.is_empty() { Outcome::Fine } else { Outcome::Finding })
+        Ok(Outcome::Judged(verdict))
     }
 
     fn question(&self, subject: &str) -> Result<StateQuestion, Failure> {

@@ -47,16 +47,23 @@ struct Row {
     about: String,
 }
 
+/// As JSON has it.
+#[derive(Serialize)]
+struct Listing<'a> {
+    of: &'a str,
+    entries: Vec<Row>,
+}
+
 /// Prints names and descriptions, aligned, or as JSON.
-fn show(rows: Vec<Row>, json: bool) -> Result<Outcome, Failure> {
+fn show(of: &str, rows: Vec<Row>, json: bool) -> Result<Outcome, Failure> {
     if json {
-        output::print_json(&rows)?;
+        output::print_json("list", &Listing { of, entries: rows })?;
     } else {
         let width = rows.iter().map(|row| row.name.len()).max().unwrap_or(0);
         let text: String = rows.iter().map(|row| format!("{:width$}  {}\n", row.name, row.about)).collect();
         output::print(&text)?;
     }
-    Ok(Outcome::Fine)
+    Ok(Outcome::Done)
 }
 
 impl Models {
@@ -66,7 +73,7 @@ impl Models {
             let model = registry::by_name(name)?;
             rows.push(Row { name: model.name(), about: model.provenance().to_owned() });
         }
-        show(rows, self.json)
+        show("models", rows, self.json)
     }
 }
 
@@ -80,7 +87,7 @@ impl Formats {
             let about = format!("{} bytes a texel, {} bits", format.bytes_per_texel(), bits.join("+"));
             rows.push(Row { name: name.to_owned(), about });
         }
-        show(rows, self.json)
+        show("formats", rows, self.json)
     }
 }
 
@@ -91,7 +98,7 @@ impl Scenes {
             let scene = scene?;
             rows.push(Row { name: name.to_owned(), about: format!("{} ({})", scene.title, scene.technique) });
         }
-        show(rows, self.json)
+        show("scenes", rows, self.json)
     }
 }
 
@@ -112,6 +119,6 @@ impl Presets {
                 about: format!("{state}; {}; {}", preset.about, preset.known_as.join(", ")),
             }
         };
-        show(PRESETS.iter().map(row).collect(), self.json)
+        show("presets", PRESETS.iter().map(row).collect(), self.json)
     }
 }

@@ -28,7 +28,7 @@ impl Completions {
         let mut script = Vec::new();
         clap_complete::generate(self.shell, &mut command, "outmerge", &mut script);
         output::print(&String::from_utf8(script)?)?;
-        Ok(Outcome::Fine)
+        Ok(Outcome::Done)
     }
 }
 
@@ -37,14 +37,14 @@ impl Man {
         command.build();
         let Some(folder) = self.output else {
             output::print(&String::from_utf8(page(&command, "outmerge")?)?)?;
-            return Ok(Outcome::Fine);
+            return Ok(Outcome::Done);
         };
         std::fs::create_dir_all(&folder)
             .map_err(|error| format!("cannot make the folder {}: {error}", folder.display()))?;
         for (name, page) in pages(&command, "outmerge")? {
             output::write_file(&folder.join(format!("{name}.1")), |file| Ok(file.write_all(&page)?))?;
         }
-        Ok(Outcome::Fine)
+        Ok(Outcome::Done)
     }
 }
 

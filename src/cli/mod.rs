@@ -1,6 +1,7 @@
 //! The command line: one thin file a subcommand.
 //!
-//! Results go to stdout, progress to stderr. Exit status: 0 = holds, 1 = a finding or mismatch, 2 = usage or input error.
+//! Results go to stdout, progress to stderr. Exit status: that of the [verdict](crate::verdict), 0 for commands that judge
+//! nothing, 2 for an error.
 
 mod bound;
 #[cfg(feature = "gpu")]
@@ -29,6 +30,8 @@ mod vectors;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
+
+use crate::verdict::Verdict;
 
 /// What bytes must the GPU write here, and why?
 #[derive(Debug, Parser)]
@@ -88,13 +91,13 @@ enum Command {
     Man(manual::Man),
 }
 
-/// What a command found.
+/// What a command ended in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Outcome {
-    /// It holds.
-    Fine,
-    /// A finding or a mismatch.
-    Finding,
+    /// It did what it was asked to, and judges nothing.
+    Done,
+    /// It compared or searched.
+    Judged(Verdict),
 }
 
 /// Any error a command ends with: exit status 2.
@@ -107,8 +110,13 @@ pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let result = limits::set(&arguments.limits).and_then(|()| run(arguments.command));
     match result {
-        Ok(Outcome::Fine) => ExitCode::SUCCESS,
-        Ok(Outcome::Finding) => ExitCode::from(1),
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::Judged(verdict)) => {
+            if !matches!(verdict, Verdict::Holds | Verdict::Fails) {
+                output::complain(&format!("outmerge: {verdict}: {}", verdict.meaning()));
+            }
+            ExitCode::from(verdict.exit_status())
+        }
         Err(error) if output::is_closed_pipe(error.as_ref()) => ExitCode::SUCCESS,
         Err(error) => {
             output::complain(&format!("outmerge: {error}"));

@@ -16,9 +16,27 @@ pub(super) fn print(text: &str) -> Result<(), Failure> {
     Ok(stdout.flush()?)
 }
 
-/// Prints a result as JSON.
-pub(super) fn print_json(value: &impl serde::Serialize) -> Result<(), Failure> {
-    print(&format!("{}\n", serde_json::to_string_pretty(value)?))
+/// The version of the JSON results. It rises when a member changes its meaning or goes; new members may come without.
+const JSON_VERSION: u32 = 1;
+
+/// A result as JSON has it: what it is, then its members. The forms are in docs/schemas.
+#[derive(serde::Serialize)]
+struct Envelope<'a, T> {
+    /// The file in docs/schemas, without its ending.
+    schema: &'a str,
+    version: u32,
+    #[serde(flatten)]
+    result: &'a T,
+}
+
+/// A result with members as JSON of the form `docs/schemas/SCHEMA.json`.
+pub(super) fn json(schema: &str, result: &impl serde::Serialize) -> Result<String, Failure> {
+    Ok(format!("{}\n", serde_json::to_string_pretty(&Envelope { schema, version: JSON_VERSION, result })?))
+}
+
+/// Prints a result as JSON of the form `docs/schemas/SCHEMA.json`.
+pub(super) fn print_json(schema: &str, result: &impl serde::Serialize) -> Result<(), Failure> {
+    print(&json(schema, result)?)
 }
 
 /// Says something on stderr; where nobody can hear it, nothing is lost.

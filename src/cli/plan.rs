@@ -8,6 +8,7 @@ use super::{Failure, Outcome, output, render};
 use crate::model::registry;
 use crate::plan::Traffic;
 use crate::scene::planned::{DrawPlan, ScenePlan};
+use crate::verdict::Verdict;
 
 /// Arguments of `plan`.
 #[derive(Debug, Args)]
@@ -22,6 +23,15 @@ pub(super) struct PlanCommand {
     json: bool,
 }
 
+/// As JSON has it.
+#[derive(serde::Serialize)]
+struct Judged<'a> {
+    /// Whether the planned merger stores the bytes of the reference.
+    verdict: Verdict,
+    #[serde(flatten)]
+    plan: &'a ScenePlan,
+}
+
 /// Measurements; the shortest times count.
 const REPETITIONS: u32 = 3;
 
@@ -29,12 +39,15 @@ impl PlanCommand {
     pub(super) fn run(self) -> Result<Outcome, Failure> {
         let model = registry::by_name(&self.model)?;
         let plan = render::load(&self.scene)?.plan_repeated(model.as_ref(), REPETITIONS)?;
+        // Without a fragment both ways store the same whatever the plan is worth.
+        let drawn = plan.draws.iter().filter(|draw| draw.fragments > 0).count();
+        let verdict = Verdict::of_search(!plan.same_bytes, drawn);
         if self.json {
-            output::print_json(&plan)?;
+            output::print_json("plan", &Judged { verdict, plan: &plan })?;
         } else {
             output::print(&text(&plan)?)?;
         }
-        Ok(if plan.same_bytes { Outcome::Fine } else { Outcome::Finding })
+        Ok(Outcome::Judged(verdict))
     }
 }
 

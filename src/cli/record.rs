@@ -9,6 +9,7 @@ use clap::Args;
 use super::{Failure, Outcome, output};
 use crate::crosscheck::{Device, OpenOptions, adapter, vector};
 use crate::vectors::{self, Entry, Kind, Line};
+use crate::verdict::Verdict;
 
 /// Arguments of `vectors record`.
 #[derive(Debug, Args)]
@@ -48,6 +49,7 @@ impl Record {
         if let Some(warning) = &driver.warning {
             output::complain(warning);
         }
+        let mut recorded = 0_usize;
         output::write_file(&self.output, |file| {
             writeln!(file, "{}", driver.to_json())?;
             for mut line in lines {
@@ -57,13 +59,14 @@ impl Record {
                 }
                 vector::record(&device, &mut line)?;
                 writeln!(file, "{}", line.to_json())?;
+                recorded += 1;
             }
-            Ok(())
+            for ((group, reason), lines) in &not_run {
+                output::complain(&format!("{}: {lines} lines of {group}: {reason}", Verdict::NotRun));
+            }
+            if recorded == 0 { Err("no line could be recorded".into()) } else { Ok(()) }
         })?;
-        for ((group, reason), lines) in &not_run {
-            output::complain(&format!("not run: {lines} lines of {group}: {reason}"));
-        }
-        Ok(Outcome::Fine)
+        Ok(Outcome::Done)
     }
 
     /// The lines to draw, all read before the device is opened.

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::{Failure, Outcome, output};
-use crate::analysis::trap::{self, Caught, Place, Trap};
+use crate::analysis::trap::{self, Caught, Place, Search, Trap};
 use crate::model::{NumericModel, registry};
 use crate::scene::{Picture, PictureAlpha, Scene};
+use crate::verdict::Verdict;
 
 /// Arguments of `render`.
 #[derive(Debug, Args)]
@@ -39,6 +40,15 @@ pub(super) struct Render {
     /// Print what was trapped as JSON.
     #[arg(long, requires = "trap")]
     json: bool,
+}
+
+/// What was trapped, as JSON has it.
+#[derive(serde::Serialize)]
+struct Found {
+    verdict: Verdict,
+    /// Fragments looked at.
+    fragments: usize,
+    caught: Option<Caught>,
 }
 
 /// A scene by file name or bundled name.
@@ -79,14 +89,15 @@ impl Render {
         let png = picture.to_png()?;
         let path = self.output.as_deref().ok_or("give the PNG to write: -o FILE")?;
         output::write_file(path, |file| Ok(file.write_all(&png)?))?;
-        Ok(Outcome::Fine)
+        Ok(Outcome::Done)
     }
 
     fn find(&self, scene: &Scene, model: &dyn NumericModel) -> Result<Outcome, Failure> {
-        let caught = trap::find(scene, model, &self.trap)?;
-        let outcome = if caught.is_some() { Outcome::Finding } else { Outcome::Fine };
+        let Search { fragments, caught } = trap::find(scene, model, &self.trap)?;
+        let verdict = Verdict::of_search(caught.is_some(), fragments);
+        let outcome = Outcome::Judged(verdict);
         if self.json {
-            output::print_json(&caught)?;
+            output::print_json("trap", &Found { verdict, fragments, caught })?;
             return Ok(outcome);
         }
         output::print(&caught.map_or("nothing was trapped\n".to_owned(), |caught| description(&caught)))?;

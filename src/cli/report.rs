@@ -66,16 +66,16 @@ impl Report {
         let page = report::html::page(&reports, &rows, &device, &analyses, "outmerge report")?;
         let index = self.output.join("index.html");
         output::write_file(&index, |file| Ok(file.write_all(page.as_bytes())?))?;
-        let data = serde_json::json!({ "version": 1, "models": rows, "device": device, "analyses": analyses, "scenes": reports });
-        let json = serde_json::to_string_pretty(&data)?;
-        output::write_file(&self.output.join("report.json"), |file| Ok(writeln!(file, "{json}")?))?;
+        let data = serde_json::json!({ "models": rows, "device": device, "analyses": analyses, "scenes": reports });
+        let json = output::json("report", &data)?;
+        output::write_file(&self.output.join("report.json"), |file| Ok(file.write_all(json.as_bytes())?))?;
         if self.json {
-            output::print(&format!("{json}\n"))?;
+            output::print(&json)?;
         } else {
             output::print(&format!("{}\n{device}\n", report::table(&rows)))?;
             output::complain(&format!("wrote {}", index.display()));
         }
-        Ok(Outcome::Fine)
+        Ok(Outcome::Done)
     }
 
     #[cfg(not(feature = "gpu"))]

@@ -93,11 +93,11 @@ impl Stability {
         }
         self.draw(&found)?;
         if self.json {
-            output::print_json(&found)?;
+            output::print_json("stability", &found)?;
         } else {
             output::print(&text(&found))?;
         }
-        Ok(Outcome::Fine)
+        Ok(Outcome::Done)
     }
 
     fn draw(&self, found: &Found) -> Result<(), Failure> {

@@ -10,6 +10,7 @@ use super::{Failure, Outcome, output};
 use crate::analysis::texture::{self, AlphaRow, ImageReport, Options, PipelineReport, Source, Space};
 use crate::model::{NumericModel, registry};
 use crate::report::section::texture::storages;
+use crate::verdict::Verdict;
 
 /// Arguments of `texture`.
 #[derive(Debug, Args)]
@@ -47,6 +48,15 @@ enum SpaceArgument {
     Srgb,
 }
 
+/// As JSON has it.
+#[derive(serde::Serialize)]
+struct Measured<'a> {
+    /// Against --max-error, where it is given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    verdict: Option<Verdict>,
+    images: &'a [ImageReport],
+}
+
 /// Rows of the table of alphas, unless all are asked for.
 const SHOWN_ALPHAS: usize = 12;
 
@@ -54,6 +64,9 @@ impl Texture {
     pub(super) fn run(self) -> Result<Outcome, Failure> {
         if !(0.0..=1.0).contains(&self.cutoff) {
             return Err(format!("--cutoff {} is not an alpha; use 0 to 1", self.cutoff).into());
+        }
+        if let Some(limit) = self.max_error.filter(|limit| !(0.0..=255.0).contains(limit)) {
+            return Err(format!("--max-error {limit} is not a number of codes; use 0 to 255").into());
         }
         let models = self.models()?;
         let models: Vec<&dyn NumericModel> = models.iter().map(AsRef::as_ref).collect();
@@ -77,15 +90,16 @@ impl Texture {
             bar.inc(1);
         }
         bar.finish_and_clear();
+        let worst = reports.iter().map(eight).map(|row| row.worst).fold(0.0, f64::max);
+        let verdict = self.max_error.map(|limit| Verdict::of_search(worst > limit, reports.len()));
         if self.json {
-            output::print_json(&reports)?;
+            output::print_json("texture", &Measured { verdict, images: &reports })?;
         } else {
             let texts: Vec<String> = reports.iter().map(|report| self.image_text(report)).collect();
             let summary = if reports.len() > 1 { summary(&reports) } else { String::new() };
             output::print(&(texts.join("\n") + &summary))?;
         }
-        let worst = reports.iter().map(eight).map(|row| row.worst).fold(0.0, f64::max);
-        Ok(if self.max_error.is_some_and(|limit| worst > limit) { Outcome::Finding } else { Outcome::Fine })
+        Ok(verdict.map_or(Outcome::Done, Outcome::Judged))
     }
 
     fn models(&self) -> Result<Vec<Box<dyn NumericModel>>, Failure> {

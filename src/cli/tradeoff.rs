@@ -134,11 +134,11 @@ impl Tradeoff {
             output::write_chart(path, &section::fixed_chart(&measured.fixed))?;
         }
         if self.json {
-            output::print_json(&measured)?;
+            output::print_json("tradeoff", &measured)?;
         } else {
             output::print(&self.text(&measured))?;
         }
-        Ok(Outcome::Fine)
+        Ok(Outcome::Done)
     }
 
     /// The driver to measure, unless none is wanted. A missing one is an error only if it was asked for.

@@ -9,6 +9,7 @@ use crate::format::depth::DEPTH_FORMATS;
 use crate::format::{ColorFormat, DepthFormat, layout::FORMATS};
 use crate::model::registry;
 use crate::vectors::{self, Kind, Mismatch};
+use crate::verdict::Verdict;
 
 /// Subcommands of `vectors`.
 #[derive(Debug, Subcommand)]
@@ -108,10 +109,11 @@ impl Apply {
         let model = registry::by_name(&self.model)?;
         let input = output::open(&self.input)?;
         output::write_file(&self.output, |file| {
-            vectors::apply_within(model.as_ref(), input, file, super::limits::get())
-                .map_err(|e| in_file(&self.input, e))
+            let lines = vectors::apply_within(model.as_ref(), input, file, super::limits::get())
+                .map_err(|e| in_file(&self.input, e))?;
+            if lines == 0 { Err(format!("{}: no line to fill in", self.input.display()).into()) } else { Ok(()) }
         })?;
-        Ok(Outcome::Fine)
+        Ok(Outcome::Done)
     }
 }
 
@@ -129,7 +131,7 @@ impl Check {
             })
             .map_err(|e| in_file(&self.input, e))?;
         if self.report {
-            output::print_json(&report)?;
+            output::print_json("vectors-check", &report)?;
         } else {
             if let Some(driver) = &report.recorded_by {
                 text.insert_str(0, &format!("recorded by {driver}\n"));
@@ -147,10 +149,14 @@ impl Check {
                     undecided(counts)
                 ));
             }
+            for (reason, lines) in &report.not_covered {
+                text.push_str(&format!("{}: {lines} lines: {reason}\n", Verdict::NotCovered));
+            }
             let total = report.total;
             text.push_str(&format!(
-                "{}: {} lines, {} texels, {} texels differ in {} lines{}\n",
+                "{} {}: {} lines, {} texels, {} texels differ in {} lines{}\n",
                 report.model,
+                report.verdict,
                 total.lines,
                 total.texels,
                 total.failed_texels,
@@ -159,7 +165,7 @@ impl Check {
             ));
             output::print(&text)?;
         }
-        Ok(if report.total.failed_lines == 0 { Outcome::Fine } else { Outcome::Finding })
+        Ok(Outcome::Judged(report.verdict))
     }
 }
 
@@ -183,7 +189,7 @@ impl Generate {
             }
             Ok(())
         })?;
-        Ok(Outcome::Fine)
+        Ok(Outcome::Done)
     }
 }
 

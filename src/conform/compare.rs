@@ -6,6 +6,18 @@ use std::fmt::Write as _;
 use super::Results;
 use super::result::Totals;
 use super::table::spec_rows;
+use crate::verdict::Verdict;
+
+/// Whether all that was asked for of every device is there, and something was run; nothing is judged otherwise.
+#[must_use]
+pub fn verdict(devices: &[Results]) -> Verdict {
+    let whole = |results: &Results| match (results.missing(true).is_empty(), results.units_run()) {
+        (false, _) => Verdict::Fails,
+        (true, 0) => Verdict::NotRun,
+        (true, _) => Verdict::Holds,
+    };
+    Verdict::of_all(devices.iter().map(whole))
+}
 
 /// One table for the models and one for each specification, a row a format, a column a device.
 #[must_use]
@@ -16,6 +28,7 @@ pub fn markdown(devices: &[Results]) -> String {
         let (units, skipped) = (results.units.len(), results.units.iter().filter(|u| u.not_run.is_some()).count());
         let level = results.level;
         let _ = writeln!(text, "- {}: level {level}, {units} units, {skipped} of them not run", results.adapter);
+        results.missing(true).to_string().lines().for_each(|line| text.push_str(&format!("  - {line}\n")));
     }
     text.push_str(
         "\nMade by `outmerge conform compare FILE...` from results of `outmerge conform --json-file FILE`.\n\n\

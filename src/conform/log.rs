@@ -1,12 +1,14 @@
-//! The log of a run: a header, then one JSON line a finished unit, so that an interrupted run goes on where it stopped.
+//! The log of a run: a header, then one JSON line a finished unit with its checksum, so that an interrupted run goes on where
+//! it stopped.
 
 use std::collections::BTreeMap;
-use std::fs::{File, OpenOptions};
+use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+use super::checksum::{self, SealError};
 use super::{Results, UnitOutcome};
 
 /// A log that cannot be used.
@@ -28,7 +30,13 @@ pub enum LogError {
         /// From 1.
         line: usize,
         /// Why.
-        source: serde_json::Error,
+        source: SealError,
+    },
+    /// Another process writes it.
+    #[error("{path}: another process is writing this log; wait for it, or name another log")]
+    InUse {
+        /// The log.
+        path: PathBuf,
     },
     /// The units of another run are not comparable.
     #[error(
@@ -48,13 +56,19 @@ pub struct Log {
 }
 
 impl Log {
-    /// Opens the log of this run, made if it is not there, and reads the units finished before.
+    /// Opens the log of this run, made if it is not there, and reads the units finished before. It stays locked as long as
+    /// it is open: a second process that opens it gets an error.
     ///
     /// # Errors
     /// [`LogError`]; a last line cut off by an interruption is none, it is dropped and its unit is run again.
     pub fn open(path: &Path, run: &Results) -> Result<(Self, BTreeMap<String, UnitOutcome>), LogError> {
         let io = |source| LogError::Io { path: path.to_owned(), source };
         let mut file = OpenOptions::new().create(true).read(true).append(true).open(path).map_err(io)?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => return Err(LogError::InUse { path: path.to_owned() }),
+            Err(TryLockError::Error(error)) => return Err(io(error)),
+        }
         let mut units = BTreeMap::new();
         let mut good = 0_u64;
         let mut reader = BufReader::new(&file);
@@ -66,14 +80,13 @@ impl Log {
                 break;
             }
             let damaged = |source| LogError::Line { path: path.to_owned(), line: number, source };
+            let value = serde_json::from_str::<Value>(&line).map_err(|error| damaged(error.into()))?;
             if number == 1 {
-                if serde_json::from_str::<Value>(&line).map_err(damaged)? != header(run) {
+                if value != header(run) {
                     return Err(LogError::Foreign { path: path.to_owned() });
                 }
-            } else if number > 1 && serde_json::from_str::<Value>(&line).is_ok_and(|value| value == header(run)) {
-                // Two processes that began the log at the same moment.
             } else {
-                let unit: UnitOutcome = serde_json::from_str(&line).map_err(damaged)?;
+                let unit = checksum::open(value).map_err(damaged)?;
                 units.insert(unit.unit.clone(), unit);
             }
             good += line.len() as u64;
@@ -94,8 +107,8 @@ impl Log {
             return Ok(());
         }
         let io = |source| LogError::Io { path: self.path.clone(), source };
-        let line = serde_json::to_string(unit).map_err(|error| io(error.into()))? + "\n";
-        // One write, so that lines of two processes on one log do not mix.
+        let line = checksum::seal(unit).map_err(|error| io(error.into()))? + "\n";
+        // One write, so that an interruption cuts off one line at most.
         self.file.write_all(line.as_bytes()).map_err(io)
     }
 }
@@ -118,33 +131,10 @@ fn header(run: &Results) -> Value {
 mod tests {
     use super::*;
     use crate::conform::Level;
-    use crate::conform::result::VERSION;
+    use crate::conform::result::samples::{self, unit};
 
     fn results() -> Results {
-        Results {
-            version: VERSION,
-            adapter: "a".to_owned(),
-            driver: None,
-            level: Level::Exhaustive,
-            shards: vec!["1/1".to_owned()],
-            models: vec!["m".to_owned()],
-            specs: Vec::new(),
-            units: Vec::new(),
-        }
-    }
-
-    fn unit(name: &str) -> UnitOutcome {
-        UnitOutcome {
-            unit: name.to_owned(),
-            format: "f".to_owned(),
-            texels: 1,
-            states: 1,
-            seconds: 0.5,
-            not_run: None,
-            left_out: None,
-            models: BTreeMap::new(),
-            specs: BTreeMap::new(),
-        }
+        Results { level: Level::Exhaustive, ..samples::results(&[]) }
     }
 
     #[test]
@@ -169,16 +159,31 @@ mod tests {
     }
 
     #[test]
-    fn two_processes_that_begin_a_log_together_leave_it_readable() {
+    fn a_second_process_on_one_log_is_told_so() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let path = dir.path().join("log");
+        let (log, _) = Log::open(&path, &results()).expect("a new log");
+        assert!(matches!(Log::open(&path, &results()), Err(LogError::InUse { .. })), "while it is open");
+        drop(log);
+        Log::open(&path, &results()).expect("when it is closed");
+    }
+
+    /// Every digit of a unit's line, one at a time, becomes another.
+    #[test]
+    fn a_changed_digit_is_an_error_that_names_the_line() {
         let dir = tempfile::tempdir().expect("a folder");
         let path = dir.path().join("log");
         let (mut log, _) = Log::open(&path, &results()).expect("a new log");
-        // What the other process writes that found the log empty as well.
-        let mut other = OpenOptions::new().append(true).open(&path).expect("there");
-        other.write_all(format!("{}\n", header(&results())).as_bytes()).expect("written");
-        log.add(&unit("one")).expect("written");
-        let (_, known) = Log::open(&path, &results()).expect("a second header is none of a foreign run");
-        assert_eq!(known.keys().collect::<Vec<_>>(), ["one"], "what was finished");
+        ["one", "two"].iter().for_each(|name| log.add(&unit(name)).expect("written"));
+        drop(log);
+        let text = std::fs::read_to_string(&path).expect("readable");
+        let start = text.match_indices('\n').nth(1).expect("two units").0;
+        for (at, digit) in text.char_indices().filter(|(at, c)| *at > start && c.is_ascii_digit()) {
+            let other = if digit == '9' { '8' } else { char::from(digit as u8 + 1) };
+            std::fs::write(&path, format!("{}{other}{}", &text[..at], &text[at + 1..])).expect("changed");
+            let error = Log::open(&path, &results()).expect_err("a changed digit").to_string();
+            assert!(error.contains("line 3: "), "digit {at}: {error}");
+        }
     }
 
     #[test]

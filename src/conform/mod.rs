@@ -6,14 +6,17 @@
 //!
 //! - [`level`]: which units a level has;
 //! - [`blend`], [`telling`], [`store`], [`depth`], [`codes`], [`clear`], [`sample_mask`], `raster`: how each kind of unit is run;
-//! - [`run`](mod@run): a list of units on a device; [`log`]: finished units on disk; [`result`] and [`spec`]: what was found;
+//! - [`run`](mod@run): a list of units on a device; [`result`] and [`spec`]: what was found, and what is missing;
+//! - [`file`] and [`log`]: the same on disk, sealed by checksums;
 //! - [`table`] and [`junit`]: the same for people and for CI; [`compare`]: of several devices.
 
 pub mod blend;
+mod checksum;
 pub mod clear;
 pub mod codes;
 pub mod compare;
 pub mod depth;
+pub mod file;
 pub mod junit;
 pub mod level;
 pub mod log;
@@ -27,7 +30,8 @@ pub mod store;
 pub mod table;
 pub mod telling;
 
+pub use checksum::{SealError, open as unseal};
 pub use level::{Level, Shard, Unit};
-pub use result::{ModelOutcome, Results, UnitOutcome};
+pub use result::{Asked, ModelOutcome, Results, UnitOutcome};
 pub use run::{Panel, run};
 pub use spec::SpecOutcome;

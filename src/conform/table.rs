@@ -5,17 +5,18 @@ use std::fmt::Write as _;
 
 use super::SpecOutcome;
 use super::result::{Results, Totals};
-use crate::admissible::Verdict;
+use crate::admissible;
+use crate::verdict::Verdict;
 
-/// The table, what was not run and why, and a verdict for each model.
+/// The table, what was not run and why, what is missing (with `all_shards`, of the whole run), and the verdicts.
 #[must_use]
-pub fn text(results: &Results) -> String {
+pub fn text(results: &Results, all_shards: bool) -> String {
     let mut text = format!("{}\n", results.adapter);
     if let Some(driver) = &results.driver {
         let _ = writeln!(text, "{driver}");
         driver.warning.iter().for_each(|warning| text.push_str(&format!("{warning}\n")));
     }
-    let _ = write!(text, "level {}, shard {}\n\n", results.level, results.shards.join(", "));
+    let _ = write!(text, "level {}, shard {}\n\n", results.level, shards(results));
     if !results.models.is_empty() {
         let _ = write!(text, "{:18}{:>14}", "states matched", "texels");
         for model in &results.models {
@@ -32,7 +33,7 @@ pub fn text(results: &Results) -> String {
     }
     for spec in &results.specs {
         let _ = write!(text, "\n{:18}{:>14}", format!("states by {spec}"), "texels");
-        Verdict::NAMES.iter().for_each(|name| text.push_str(&format!(" {name:>9}")));
+        admissible::Verdict::NAMES.iter().for_each(|name| text.push_str(&format!(" {name:>9}")));
         text.push('\n');
         for (format, outcome) in spec_rows(results, spec) {
             let _ = write!(text, "{format:18}{:>14}", outcome.texels.total());
@@ -43,25 +44,31 @@ pub fn text(results: &Results) -> String {
     for line in not_run(results) {
         let _ = writeln!(text, "not run: {line}");
     }
-    text.push('\n');
+    let _ = writeln!(text, "{}", results.missing(all_shards));
     for (spec, outcome) in results.spec_totals() {
-        let _ = writeln!(text, "{spec:14} {}", spec_verdict(&outcome));
+        let _ = writeln!(text, "{spec:14} {}", spec_verdict(results.of_spec(&spec), &outcome));
         for deviation in deviations(results, &spec) {
             let _ = writeln!(text, "{:14} {deviation}", "");
         }
     }
     for (model, total) in results.totals() {
-        let _ = writeln!(text, "{model:14} {}", verdict(total));
+        let _ = writeln!(text, "{model:14} {}", verdict(results.of_model(&model), total));
         if let Some((unit, first)) = first_difference(results, &model) {
             let _ = writeln!(text, "{:14} first in {unit}: {first}", "");
         }
     }
+    let all = results.verdict(all_shards);
+    let _ = writeln!(text, "\nin all: {all}: {}", all.meaning());
     text
+}
+
+fn shards(results: &Results) -> String {
+    results.shards.iter().map(super::Shard::to_string).collect::<Vec<_>>().join(", ")
 }
 
 /// The same as a Markdown page.
 #[must_use]
-pub fn markdown(results: &Results) -> String {
+pub fn markdown(results: &Results, all_shards: bool) -> String {
     let arguments: String = results.specs.iter().map(|spec| format!(" --spec {spec}")).collect();
     let title = if results.models.is_empty() { "What specifications say of" } else { "Which models match" };
     let models = "A state matches a model when every texel does, bit for bit.";
@@ -90,8 +97,8 @@ pub fn markdown(results: &Results) -> String {
         text.push('\n');
     }
     for spec in &results.specs {
-        let _ = writeln!(text, "| states by {spec} | texels | {} |", Verdict::NAMES.join(" | "));
-        let _ = writeln!(text, "|---|--:|{}", "--:|".repeat(Verdict::NAMES.len()));
+        let _ = writeln!(text, "| states by {spec} | texels | {} |", admissible::Verdict::NAMES.join(" | "));
+        let _ = writeln!(text, "|---|--:|{}", "--:|".repeat(admissible::Verdict::NAMES.len()));
         for (format, outcome) in spec_rows(results, spec) {
             let cells = outcome.states.in_order().map(|count| count.to_string()).join(" | ");
             let _ = writeln!(text, "| {format} | {} | {cells} |", outcome.texels.total());
@@ -99,13 +106,13 @@ pub fn markdown(results: &Results) -> String {
         text.push('\n');
     }
     for (spec, outcome) in results.spec_totals() {
-        let _ = writeln!(text, "- `{spec}` {}", spec_verdict(&outcome));
+        let _ = writeln!(text, "- `{spec}` {}", spec_verdict(results.of_spec(&spec), &outcome));
         for deviation in deviations(results, &spec) {
             let _ = writeln!(text, "  - {deviation}");
         }
     }
     for (model, total) in results.totals() {
-        let _ = write!(text, "- `{model}` {}", verdict(total));
+        let _ = write!(text, "- `{model}` {}", verdict(results.of_model(&model), total));
         if let Some((unit, first)) = first_difference(results, &model) {
             let _ = write!(text, ". First in `{unit}`: {first}");
         }
@@ -114,6 +121,7 @@ pub fn markdown(results: &Results) -> String {
     for line in not_run(results) {
         let _ = writeln!(text, "- not run: {line}");
     }
+    results.missing(all_shards).to_string().lines().for_each(|line| text.push_str(&format!("- {line}\n")));
     text
 }
 
@@ -189,37 +197,42 @@ fn deviations(results: &Results, spec: &str) -> Vec<String> {
     outside.map(line).collect()
 }
 
-/// Undefined results are excluded from what conforms.
-fn spec_verdict(outcome: &SpecOutcome) -> String {
+/// Undefined results are excluded from what holds.
+fn spec_verdict(verdict: Verdict, outcome: &SpecOutcome) -> String {
     let (states, texels) = (outcome.states, outcome.texels);
     let defined = states.total() - states.undefined;
-    match (defined, states.outside) {
-        (0, _) => "not run".to_owned(),
-        (_, 0) => format!(
-            "conforms: {defined} states ({} exact, {} tight, {} wide), {} texels, and {} more where any result does",
+    match verdict {
+        Verdict::Holds => format!(
+            "{verdict}: {defined} states ({} exact, {} tight, {} wide), {} texels, and {} more where any result does",
             states.exact,
             states.tight,
             states.wide,
             texels.total() - texels.undefined,
             texels.undefined
         ),
-        (_, outside) => format!(
-            "does not conform: {outside} of {defined} states, {} of {} texels are outside what it admits",
+        Verdict::Fails => format!(
+            "{verdict}: {} of {defined} states, {} of {} texels are outside what it admits",
+            states.outside,
             texels.outside,
             texels.total() - texels.undefined
         ),
+        _ => format!("{verdict}: {}", verdict.meaning()),
     }
 }
 
-fn verdict(total: Totals) -> String {
-    let Totals { texels, mismatches, undecided, states, states_matched, .. } = total;
-    let verdict = match (states, mismatches) {
-        (0, _) => "not run".to_owned(),
-        (_, 0) => format!("fits: {states} states, {texels} texels, no mismatch"),
-        _ => format!(
-            "does not fit: {} of {states} states, {mismatches} of {texels} texels differ",
-            states - states_matched
-        ),
+fn verdict(verdict: Verdict, total: Totals) -> String {
+    let Totals { texels, mismatches, undecided, states, states_matched, units_not_run } = total;
+    let verdict = match verdict {
+        Verdict::Holds => format!("{verdict}: {states} states, {texels} texels, no mismatch"),
+        Verdict::Fails => {
+            format!("{verdict}: {} of {states} states, {mismatches} of {texels} texels differ", states - states_matched)
+        }
+        _ => format!("{verdict}: {}", verdict.meaning()),
+    };
+    let verdict = match units_not_run {
+        0 => verdict,
+        1 => format!("{verdict}; 1 unit was not compared"),
+        _ => format!("{verdict}; {units_not_run} units were not compared"),
     };
     match undecided {
         0 => verdict,
@@ -236,7 +249,7 @@ mod tests {
     use super::*;
     use crate::admissible::Counts;
     use crate::conform::result::VERSION;
-    use crate::conform::{Level, ModelOutcome, UnitOutcome};
+    use crate::conform::{Asked, Level, ModelOutcome, Shard, UnitOutcome};
 
     fn results() -> Results {
         let good = ModelOutcome { states: 2, states_matched: 2, ..ModelOutcome::default() };
@@ -277,7 +290,9 @@ mod tests {
             adapter: "device".to_owned(),
             driver: None,
             level: Level::Quick,
-            shards: vec!["1/1".to_owned()],
+            // None of the level's own, so that none of them is missing.
+            asked: Asked { only: Some("no unit has this name".to_owned()), every_model: true, ..Asked::default() },
+            shards: vec![Shard::ALL],
             models: ["a", "b", "c"].map(str::to_owned).into(),
             specs: vec!["vulkan".to_owned(), "d3d".to_owned()],
             units: vec![
@@ -289,22 +304,26 @@ mod tests {
 
     #[test]
     fn a_model_fits_only_if_it_was_compared_without_a_mismatch() {
-        let text = text(&results());
-        assert!(text.contains("a              fits: 2 states, 10 texels, no mismatch"), "{text}");
-        assert!(text.contains("b              does not fit: 1 of 2 states, 3 of 10 texels differ"), "{text}");
+        let text = text(&results(), false);
+        assert!(
+            text.contains("a              holds: 2 states, 10 texels, no mismatch; 1 unit was not compared"),
+            "{text}"
+        );
+        assert!(text.contains("b              fails: 1 of 2 states, 3 of 10 texels differ"), "{text}");
         assert!(text.contains("first in u: expected 1, got 2"), "{text}");
-        assert!(text.contains("c              not run"), "{text}");
+        assert!(text.contains("c              not covered"), "{text}");
+        assert!(text.ends_with("in all: fails: something differs or is missing\n"), "{text}");
     }
 
     #[test]
     fn a_specification_is_met_only_if_nothing_is_outside_and_undefined_results_do_not_count() {
-        for text in [text(&results()), markdown(&results())] {
-            let conforms = "conforms: 1 states (1 exact, 0 tight, 0 wide), 8 texels, and 2 more where any result does";
+        for text in [text(&results(), false), markdown(&results(), false)] {
+            let conforms = "holds: 1 states (1 exact, 0 tight, 0 wide), 8 texels, and 2 more where any result does";
             assert!(text.contains(conforms), "{text}");
-            assert!(text.contains("does not conform: 1 of 2 states, 2 of 10 texels are outside"), "{text}");
+            assert!(text.contains("fails: 1 of 2 states, 2 of 10 texels are outside"), "{text}");
             assert!(text.contains("r8unorm: 2 texels in 1 states, first in u: red: 101 admitted, got 7"), "{text}");
         }
-        assert!(markdown(&results()).contains("| r8unorm | 10 | 0 | 0 | 1 | 1 | 0 |"), "a row by class");
+        assert!(markdown(&results(), false).contains("| r8unorm | 10 | 0 | 0 | 1 | 1 | 0 |"), "a row by class");
     }
 
     #[test]
@@ -319,15 +338,27 @@ mod tests {
 
     #[test]
     fn what_was_not_run_is_named_with_its_reason() {
-        for text in [text(&results()), markdown(&results())] {
+        for text in [text(&results(), false), markdown(&results(), false)] {
             assert!(text.contains("not run: v: no such format"), "a unit: {text}");
             assert!(text.contains("not run: c on r8unorm: too slow"), "a model: {text}");
         }
     }
 
     #[test]
+    fn what_is_missing_is_named() {
+        let mut results = results();
+        results.asked.only = Some("r8unorm".to_owned());
+        results.shards = vec![Shard { index: 1, count: 2 }];
+        for text in [text(&results, true), markdown(&results, true)] {
+            assert!(text.contains("missing: 1 shard: 2/2"), "{text}");
+            assert!(text.contains("missing: 1 shard: 2/2") && text.contains("/r8unorm"), "{text}");
+        }
+        assert!(!text(&results, false).contains("shard: 2/2"), "one shard's own table");
+    }
+
+    #[test]
     fn markdown_rows_have_a_cell_for_each_model() {
-        let text = markdown(&results());
+        let text = markdown(&results(), false);
         assert!(text.contains("| r8unorm | 10 | 2/2 | 1/2 | not run |"), "{text}");
     }
 }

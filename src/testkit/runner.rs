@@ -13,6 +13,7 @@ use super::{Actual, Nonconformance, Prediction, conforms, folder, pictures};
 use crate::model::registry;
 use crate::scene::Scene;
 use crate::vectors;
+use crate::verdict::Verdict;
 
 /// Tests from folders, for a test target with `harness = false`:
 ///
@@ -75,9 +76,13 @@ impl Runner {
         self
     }
 
-    /// Runs what the command line asks for, in the manner of libtest.
+    /// Runs what the command line asks for, in the manner of libtest. Without any test it fails.
     #[must_use]
-    pub fn main(self) -> ExitCode {
+    pub fn main(mut self) -> ExitCode {
+        if self.trials.is_empty() {
+            let nothing = || Err(Verdict::NotRun.meaning().into());
+            self.trials.push(Trial::test("no test was given to this runner", nothing));
+        }
         libtest_mimic::run(&Arguments::from_args(), self.trials).exit_code()
     }
 
@@ -126,11 +131,12 @@ fn check_vectors(path: &Path, model: &str) -> Result<(), Failed> {
     let report = vectors::check(model.as_ref(), BufReader::new(File::open(path)?), |mismatch| {
         first.get_or_insert_with(|| mismatch.clone());
     })?;
-    if report.total.lines == 0 {
-        return Err("the file holds no vectors".into());
-    }
     match first {
-        None => Ok(()),
+        None if report.verdict.passes() => Ok(()),
+        None => {
+            let reasons: String = report.not_covered.keys().map(|reason| format!("; {reason}")).collect();
+            Err(format!("{}: {}{reasons}", report.verdict, report.verdict.meaning()).into())
+        }
         Some(m) => Err(format!(
             "{} of {} texels differ from {}; first in line {}, texel {}: {}; {} gives {}, not {}",
             report.total.failed_texels,

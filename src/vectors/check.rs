@@ -9,6 +9,7 @@ use super::{DriverRecord, Entry, Line, LineError, VectorError, VectorLine};
 use crate::limit::Limits;
 use crate::merger::write_mask;
 use crate::model::NumericModel;
+use crate::verdict::Verdict;
 
 /// The first texel of a line that differs, in words.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -34,7 +35,7 @@ pub struct Mismatch {
 /// Counts by format.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Checked {
-    /// Lines read.
+    /// Lines compared.
     pub lines: usize,
     /// Lines with a texel that differs.
     pub failed_lines: usize,
@@ -44,26 +45,52 @@ pub struct Checked {
     pub failed_texels: usize,
     /// Texels whose result depends on the driver's history, and is one of the possible ones: neither match nor mismatch.
     pub undecided_texels: usize,
+    /// Lines that the model does not cover: not compared.
+    pub not_covered_lines: usize,
+}
+
+impl Checked {
+    /// What the comparison ended in.
+    #[must_use]
+    pub fn verdict(&self) -> Verdict {
+        let compared = Verdict::of_counts(self.failed_texels as u64, self.texels as u64, self.undecided_texels as u64);
+        let covered = if self.not_covered_lines > 0 { Verdict::NotCovered } else { Verdict::NotRun };
+        Verdict::of_parts([compared, covered])
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.lines += other.lines;
+        self.failed_lines += other.failed_lines;
+        self.texels += other.texels;
+        self.failed_texels += other.failed_texels;
+        self.undecided_texels += other.undecided_texels;
+        self.not_covered_lines += other.not_covered_lines;
+    }
 }
 
 /// The outcome of a file.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Report {
     /// The model's name.
     pub model: String,
     /// The driver that recorded the file, where it says so.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recorded_by: Option<DriverRecord>,
+    /// What it all ended in.
+    pub verdict: Verdict,
     /// Everything.
     pub total: Checked,
     /// By format name; layers by `layers ` and the format's.
     pub formats: BTreeMap<String, Checked>,
+    /// Why lines are not covered, with their number.
+    pub not_covered: BTreeMap<String, usize>,
 }
 
 /// Replays every line and calls `failed` for each that differs.
 ///
 /// # Errors
-/// [`VectorError`] at the first line that is malformed, has no `out`, or is beyond the model.
+/// [`VectorError`] at the first line that is malformed or has no `out`. A line that the model does not cover is none: it is
+/// counted.
 pub fn check(
     model: &dyn NumericModel,
     input: impl BufRead,
@@ -82,9 +109,24 @@ pub fn check_within(
     limits: &Limits,
     mut failed: impl FnMut(&Mismatch),
 ) -> Result<Report, VectorError> {
-    let mut report = Report { model: model.name(), ..Report::default() };
+    let mut report = Report {
+        model: model.name(),
+        recorded_by: None,
+        verdict: Verdict::NotRun,
+        total: Checked::default(),
+        formats: BTreeMap::new(),
+        not_covered: BTreeMap::new(),
+    };
     report.recorded_by = for_each_line(input, limits, |number, line| {
-        supported(model, number, &line)?;
+        let mut count = |mine: Checked| {
+            report.total.add(&mine);
+            report.formats.entry(line.group()).or_default().add(&mine);
+        };
+        if let Err(reason) = line.supported(model) {
+            count(Checked { not_covered_lines: 1, ..Checked::default() });
+            *report.not_covered.entry(reason.to_string()).or_default() += 1;
+            return Ok(());
+        }
         let compared = line.compare(model, number);
         let compared = compared.ok_or(VectorError::Line { line: number, source: LineError::NoOut })?;
         let mine = Checked {
@@ -93,19 +135,15 @@ pub fn check_within(
             texels: line.len(),
             failed_texels: compared.different,
             undecided_texels: compared.undecided,
+            not_covered_lines: 0,
         };
-        for counts in [&mut report.total, report.formats.entry(line.group()).or_default()] {
-            counts.lines += mine.lines;
-            counts.failed_lines += mine.failed_lines;
-            counts.texels += mine.texels;
-            counts.failed_texels += mine.failed_texels;
-            counts.undecided_texels += mine.undecided_texels;
-        }
+        count(mine);
         if let Some(first) = compared.first {
             failed(&first);
         }
         Ok(())
     })?;
+    report.verdict = report.total.verdict();
     Ok(report)
 }
 

@@ -10,6 +10,7 @@ use super::{DepthLine, Line, LineError, VectorError, VectorLine, describe};
 use crate::admissible::{Counts, DepthStencilCase, Judge, Verdict, judge_depth_stencil};
 use crate::limit::Limits;
 use crate::merger::depth_stencil::DepthStencil;
+use crate::verdict::Verdict as Ended;
 
 /// The first texel of a line that is outside, in words.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -44,6 +45,8 @@ pub struct Judged {
 pub struct Judgements {
     /// The specification's name.
     pub spec: String,
+    /// What it all ended in.
+    pub verdict: Ended,
     /// Everything.
     pub total: Judged,
     /// By format name; layers by `layers ` and the format's.
@@ -60,8 +63,12 @@ pub fn judge(
     limits: &Limits,
     mut outside: impl FnMut(&Violation),
 ) -> Result<Judgements, VectorError> {
-    let mut report =
-        Judgements { spec: judge.spec.name().to_owned(), total: Judged::default(), formats: BTreeMap::new() };
+    let mut report = Judgements {
+        spec: judge.spec.name().to_owned(),
+        verdict: Ended::NotRun,
+        total: Judged::default(),
+        formats: BTreeMap::new(),
+    };
     for_each_line(input, limits, |number, line| {
         let missing = || VectorError::Line { line: number, source: LineError::NoOut };
         let (texels, first) = match &line {
@@ -80,6 +87,8 @@ pub fn judge(
         }
         Ok(())
     })?;
+    let left_over = if report.total.not_judged > 0 { Ended::NotCovered } else { Ended::NotRun };
+    report.verdict = Ended::of_parts([report.total.texels.ended(), left_over]);
     Ok(report)
 }
 

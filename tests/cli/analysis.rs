@@ -49,8 +49,8 @@ fn texture_names_what_is_wrong_with_an_image() {
 
 #[test]
 fn bound_prints_the_geometric_sum_and_what_a_search_reaches() {
-    let rows = json(&["bound", "-n", "50", "--alpha", "0.25", "--format", "rgba8unorm", "--search", "--json"]);
-    let row = &rows[0];
+    let found = json(&["bound", "-n", "50", "--alpha", "0.25", "--format", "rgba8unorm", "--search", "--json"]);
+    let row = &found["bounds"][0];
     let (codes, found) = (row["codes"].as_f64().expect("a number"), row["found"].as_f64().expect("a number"));
     let sum = 0.5 * (1.0 - 0.75_f64.powi(50)) / 0.25;
     assert!((codes - sum).abs() < 1e-9, "{codes} codes, by hand {sum}");

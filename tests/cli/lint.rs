@@ -39,9 +39,11 @@ fn states_are_linted_with_what_the_options_add() {
 fn json_lists_findings() {
     let output = outmerge(&["lint", "overlap-zwrite-on", "--json"]).output().expect("runs");
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    assert_eq!(json[0]["rule"], "depth-write");
-    assert_eq!(json[0]["example"]["pixel"], serde_json::json!([47, 47]));
-    assert_ne!(json[0]["example"]["stored"], json[0]["example"]["repaired"], "the pixel differs");
+    assert_eq!(json["verdict"], "fails", "a finding");
+    let first = &json["findings"][0];
+    assert_eq!(first["rule"], "depth-write");
+    assert_eq!(first["example"]["pixel"], serde_json::json!([47, 47]));
+    assert_ne!(first["example"]["stored"], first["example"]["repaired"], "the pixel differs");
 }
 
 #[test]

@@ -10,7 +10,10 @@ mod lint;
 mod plan;
 mod robust;
 mod scenes;
+mod schemas;
+
 mod vectors;
+mod verdicts;
 
 use std::path::{Path, PathBuf};
 
@@ -78,6 +81,8 @@ fn lists_name_what_there_is() {
     {
         outmerge(&[list]).assert().success().stdout(predicate::str::contains(known));
         let output = outmerge(&[list, "--json"]).output().expect("runs");
-        serde_json::from_slice::<Vec<serde_json::Value>>(&output.stdout).expect("a JSON list");
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        assert_eq!(json["of"], list, "what is listed");
+        assert!(json["entries"].as_array().is_some_and(|entries| entries.len() > 5), "{json}");
     }
 }

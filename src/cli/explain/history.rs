@@ -51,11 +51,11 @@ pub(super) fn run(question: &Question<'_>) -> Result<Outcome, Failure> {
     let others = if all { others(&scene, model.as_ref(), x, y) } else { Vec::new() };
     let answer = Answer { history, stacks, others };
     if question.json {
-        output::print_json(&answer)?;
+        output::print_json("explain-pixel", &answer)?;
     } else {
         output::print(&text(&scene, &draws, &answer, model.as_ref())?)?;
     }
-    Ok(Outcome::Fine)
+    Ok(Outcome::Done)
 }
 
 /// The pixel's end in every other model that covers the scene.

@@ -104,7 +104,7 @@ impl Explain {
         let question = self.question()?;
         let answers = self.answers(&question)?;
         if self.json {
-            output::print_json(&answers)?;
+            output::print_json("explain", &answers)?;
         } else {
             let mut text = layout::heading(&question);
             let models = answers.models.iter();
@@ -115,7 +115,7 @@ impl Explain {
             text.push_str(&drivers::text(&answers.drivers, &question));
             output::print(&text)?;
         }
-        Ok(Outcome::Fine)
+        Ok(Outcome::Done)
     }
 
     fn shows_exact(&self) -> bool {
