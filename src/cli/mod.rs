@@ -56,7 +56,7 @@ enum Command {
     Lint(lint::Lint),
     /// Compare a device with numeric models, bit for bit, through its real output merger.
     #[cfg(feature = "gpu")]
-    Conform(conform::Conform),
+    Conform(Box<conform::Conform>),
     /// Print every step of one blend, with the numbers substituted, in every numeric model.
     Explain(explain::Explain),
     /// Where a fragment drawn again and again gets stuck: fixed points, limit cycles, smallest useful alpha.

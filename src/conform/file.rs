@@ -76,7 +76,7 @@ pub fn write(results: &Results) -> Result<String, serde_json::Error> {
 pub fn read(text: &str) -> Result<Results, FileError> {
     let mut value: Value = serde_json::from_str(text)?;
     let version = value.get("version").cloned().unwrap_or(Value::Null);
-    if version != Value::from(VERSION) {
+    if version != VERSION {
         return Err(FileError::Version(version.to_string()));
     }
     let line_of = |what: &str| text.lines().position(|line| line.contains(what)).map_or(1, |line| line + 1);

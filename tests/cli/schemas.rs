@@ -38,6 +38,7 @@ const COMMANDS: &[(&str, &[&str])] = &[
     ("trap", &["render", "fade-over-opaque", "--trap", "nan,inf,clamp"]),
     ("trap", &["render", "fire-and-smoke", "--trap", "clamp"]),
     ("vectors-check", &["vectors", "check", "--model", "exact", "tests/data/nvidia-h200.jsonl", "--report"]),
+    ("vectors-check", &["vectors", "check", "--model", "fixed:8", "tests/data/nvidia-h200.jsonl", "--report"]),
     ("vectors-judge", &["vectors", "judge", "tests/data/nvidia-h200.jsonl"]),
 ];
 
