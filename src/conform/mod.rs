@@ -7,7 +7,7 @@
 //! - [`level`]: which units a level has;
 //! - [`blend`], [`telling`], [`store`], [`depth`], [`codes`], [`clear`], [`sample_mask`], `raster`: how each kind of unit is run;
 //! - [`run`](mod@run): a list of units on a device; [`result`] and [`spec`]: what was found, and what is missing;
-//! - [`file`] and [`log`]: the same on disk, sealed by checksums;
+//! - [`file`](mod@file) and [`log`]: the same on disk, sealed by checksums;
 //! - [`table`] and [`junit`]: the same for people and for CI; [`compare`]: of several devices.
 
 pub mod blend;
