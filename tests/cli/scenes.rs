@@ -153,3 +153,52 @@ fn a_report_is_one_page_that_needs_nothing_else() {
     let json: serde_json::Value = serde_json::from_slice(&json).expect("JSON");
     assert_eq!(json["scenes"].as_array().map(Vec::len), Some(2), "both scenes");
 }
+
+/// The figures of a scene's table, from the two pictures that `render` writes, alpha kept: the codes of an 8-bit target.
+#[test]
+fn figures_of_the_report_are_those_of_the_pictures() {
+    let folder = TempDir::new().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+    let scene = "fade-over-opaque";
+    let picture = |model: &str| {
+        let out = path(&format!("{}.png", model.replace(':', "-")));
+        outmerge(&["render", scene, "--model", model, "--alpha", "-o", &out]).assert().success();
+        image::open(out).expect("a PNG file").into_rgba8()
+    };
+    let (exact, fixed) = (picture("exact"), picture("fixed:8"));
+    let mut arguments = vec!["report", scene, "--models", "fixed:8", "--json", "-o"];
+    let out = path("report");
+    arguments.push(&out);
+    if cfg!(feature = "gpu") {
+        arguments.push("--no-device");
+    }
+    let output = outmerge(&arguments).output().expect("runs");
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let (mut sum, mut most, mut differing) = (0_u64, 0_u64, 0_u64);
+    for (a, b) in exact.pixels().zip(fixed.pixels()) {
+        let codes: Vec<u64> = a.0.iter().zip(b.0).map(|(a, b)| u64::from(a.abs_diff(b))).collect();
+        sum += codes.iter().sum::<u64>();
+        most = most.max(codes.into_iter().max().unwrap_or(0));
+        differing += u64::from(a != b);
+    }
+    assert!(differing > 0, "the models differ somewhere");
+    let pixels = u64::from(exact.width()) * u64::from(exact.height());
+    let expected = serde_json::json!({
+        "max_codes": most, "sum_codes": sum, "channels": 4 * pixels, "pixels_differing": differing, "pixels": pixels,
+    });
+    let of = |models: &serde_json::Value| {
+        let models = models.as_array().expect("models");
+        models.iter().find(|row| row["model"] == "fixed:8").expect("the model asked for")["difference"].clone()
+    };
+    assert_eq!(of(&json["scenes"][0]["models"]), expected, "the scene");
+    assert_eq!(of(&json["models"]), expected, "the sum over its one scene");
+    // The table has the same in words.
+    let output = outmerge(&[&["report", scene, "--models", "fixed:8", "-o", &out], &arguments[7..]].concat()).output();
+    let text = String::from_utf8(output.expect("runs").stdout).expect("text");
+    let row = text.lines().find(|line| line.starts_with("fixed:8")).expect("a row");
+    let number = |n: u64| f64::from(u32::try_from(n).expect("small"));
+    let (mean, percent) = (number(sum) / number(4 * pixels), 100.0 * number(differing) / number(pixels));
+    for figure in [most.to_string(), format!("{mean:.5}"), format!("{percent:.3}%")] {
+        assert!(row.split_whitespace().any(|cell| cell == figure), "{figure} in {row}");
+    }
+}

@@ -47,6 +47,45 @@ fn searches_come_close_to_the_bound_and_never_pass_it() {
     }
 }
 
+/// One layer, tried: sources at codes, just beside them and between, over every stored code. No blender may pass its bound,
+/// and each comes near it, sources that are truncated included.
+#[test]
+fn one_layer_reaches_its_bound_and_does_not_pass_it() {
+    for (model, share) in [
+        ("exact", 0.99),
+        ("exact:toward-zero", 0.99),
+        ("fixed:8", 0.7),
+        ("fixed:source=8,factor=8,product=8,rounding=nearest,take-in=truncate", 0.7),
+        ("fixed:8,rounding=truncate", 0.7),
+    ] {
+        for alpha in [26.0 / 255.0, 0.5, 1.0] {
+            let (format, model, growth) = growth("rgba8unorm", model, alpha);
+            let (a, bound) = (f64::from(alpha), growth.after(0.0));
+            let mut worst = 0.0_f64;
+            for step in 0..=510_u16 {
+                let at = f32::from(step) / 510.0;
+                for color in [at, at.next_down().max(0.0), at.next_up().min(1.0)] {
+                    for code in 0..=255_u32 {
+                        let inputs = ColorInputs {
+                            format,
+                            blend: Some(STATE),
+                            constant: [0.0; 4],
+                            src: [color, color, color, alpha],
+                            src1: [0.0; 4],
+                            dst: [code; 4],
+                        };
+                        let real = a * f64::from(color) + (1.0 - a) * f64::from(code) / 255.0;
+                        worst = worst.max((f64::from(model.merge_color(&inputs)[0]) / 255.0 - real).abs());
+                    }
+                }
+            }
+            let name = model.name();
+            assert!(worst <= bound + 1e-12, "{name}, alpha {alpha}: {worst} of {bound}");
+            assert!(worst >= share * bound, "{name}, alpha {alpha}: only {worst} of {bound}");
+        }
+    }
+}
+
 #[test]
 fn alpha_zero_and_one_are_the_ends() {
     let (_, _, still) = growth("rgba16float", "exact", 0.0);

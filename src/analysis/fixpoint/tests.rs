@@ -102,6 +102,35 @@ fn the_smallest_alphas_of_exact_are_half_a_code_of_the_distance() {
     assert_eq!(answer.smallest_alpha.reaches, Some(0.5), "to arrive at 0");
 }
 
+/// The smallest alphas against a plain search of the same multiples, by following every code to where it rests.
+#[test]
+fn the_smallest_alpha_arrives_at_the_goal_itself_and_none_of_the_grid_below_does() {
+    for (model, source, from) in [
+        ("exact", 1.0, 0_u32),
+        ("exact:toward-zero", 1.0, 0),
+        ("exact:toward-zero", 0.0, 255),
+        ("fixed:8", 0.0, 255),
+        ("fixed:8,rounding=truncate", 1.0, 0),
+    ] {
+        let found = answer(&question("fade", "rgba8unorm", 0.5, source), model, from).smallest_alpha.reaches;
+        let blender = registry::by_name(model).expect("a model");
+        let goal = if source == 0.0 { 0 } else { 255 };
+        let arrives = |alpha: f32| {
+            let question = question("fade", "rgba8unorm", alpha, source);
+            let rest = (0..600).fold(from, |code, _| question.next(blender.as_ref(), code));
+            // Alpha 0 has no goal.
+            alpha > 0.0 && rest == goal && question.next(blender.as_ref(), rest) == rest
+        };
+        let first = (0..=4096_u16).map(|step| f32::from(step) / 4096.0).find(|alpha| arrives(*alpha));
+        match (found, first) {
+            (Some(found), Some(first)) => {
+                assert!(arrives(found) && found <= first && found > first - 1.0 / 4096.0, "{model}: {found}, {first}");
+            }
+            (found, first) => assert_eq!(found, first, "{model}, source {source}"),
+        }
+    }
+}
+
 #[test]
 fn other_channels_do_not_matter() {
     for model in registry::NAMES {

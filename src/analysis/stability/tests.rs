@@ -26,6 +26,27 @@ fn constant_stacks_stay_within_the_proven_bound() {
     }
 }
 
+/// A stack of one color in closed form, and its codes by integers: 0.75 (1 - (1 - a)^n) against codes rounded each time.
+#[test]
+fn a_stack_s_errors_are_those_of_the_closed_form() {
+    let alpha = f64::from(0.025_f32);
+    let row = stack(Family::Fade, Direction::BackToFront, format("rgba8unorm"), &Exact::default(), 64);
+    let (mut code, mut worst, mut shown) = (0.0_f64, 0.0_f64, Vec::new());
+    for count in 1..=64_u32 {
+        code = (alpha * 0.75 * 255.0 + (1.0 - alpha) * code).round_ties_even();
+        let real = 0.75 * 255.0 * (1.0 - (1.0 - alpha).powi(count.cast_signed()));
+        worst = worst.max((code - real).abs());
+        if count.is_power_of_two() {
+            shown.push((count, (code - real).abs()));
+        }
+    }
+    assert!((row.worst - worst).abs() < 1e-9, "{} and {worst}", row.worst);
+    assert_eq!(row.errors.iter().map(|(count, _)| *count).collect::<Vec<_>>(), [1, 2, 4, 8, 16, 32, 64], "doubled");
+    for ((count, got), (_, expected)) in row.errors.iter().zip(&shown) {
+        assert!((got - expected).abs() < 1e-9, "layer {count}: {got} and {expected}");
+    }
+}
+
 #[test]
 fn thin_layers_stagnate_on_eight_bits_and_not_on_wider_targets() {
     let exact = Exact::default();
@@ -126,6 +147,15 @@ fn draws_that_do_not_overlap_may_come_in_any_order_and_blended_ones_may_not() {
     let [x, y] = sensitive.worst_at;
     let pixel = (y * sensitive.heat_map.width + x) as usize * 4;
     assert_ne!(sensitive.heat_map.rgba[pixel..pixel + 3], [24, 26, 33], "the worst pixel is not drawn as equal");
+    // Every figure of the report from the picture of it: pixels that are not drawn as equal, and the worst among them.
+    let colored = sensitive.heat_map.rgba.chunks(4).filter(|pixel| pixel[..3] != [24, 26, 33]).count() as u64;
+    assert_eq!(sensitive.pixels_sensitive, colored, "pixels");
+    assert_eq!(sensitive.pixels * 4, sensitive.heat_map.rgba.len() as u64, "all pixels");
+    assert_eq!(
+        sensitive.worst,
+        sensitive.permutations.iter().map(|p| p.difference.max_codes).max().unwrap_or(0),
+        "worst"
+    );
     let still = report("cutout-cutoffs");
     assert!(!still.permutations.is_empty(), "several draws");
     assert!(

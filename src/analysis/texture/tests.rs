@@ -5,7 +5,7 @@ use std::path::Path;
 
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 
-use super::composite::Background;
+use super::composite::{Background, Composite};
 use super::*;
 use crate::model::{binary32::Binary32, exact::Exact};
 
@@ -76,6 +76,37 @@ fn drawn_once_premultiplied_storage_is_within_a_code_of_the_original() {
     let backgrounds = Background::ALL.len() * 2;
     assert_eq!(row.composites.len(), backgrounds, "every background in every model");
     assert!(report.verdict.contains("safe for this image when drawn once"), "{}", report.verdict);
+}
+
+/// PSNR and worst error in integers: premultiplied 8-bit storage of linear colors, drawn once by `exact`.
+#[test]
+fn signal_to_noise_is_that_of_integer_arithmetic() {
+    let texels: Vec<[u16; 4]> = (0..=255).flat_map(|a| [0, 77, 200, 255].map(|c| [c, 255 - c, c / 3, a])).collect();
+    let report = measured(&source(32, 8, Space::Linear, texels.clone()));
+    // n / 255 to the nearest integer; 255 is odd, so that there is no tie.
+    let nearest = |n: u64| (2 * n + 255) / 510;
+    for (background, under) in [(Background::Black, 0_u64), (Background::White, 255), (Background::Grey, 128)] {
+        let (mut squares, mut channels, mut worst) = (0, 0_u64, 0);
+        for texel in &texels {
+            let alpha = u64::from(texel[3]);
+            for color in texel[..3].iter().map(|color| u64::from(*color)) {
+                let truth = nearest(color * alpha + under * (255 - alpha));
+                let drawn = nearest(255 * nearest(color * alpha) + under * (255 - alpha)).min(255);
+                let difference = truth.abs_diff(drawn);
+                squares += difference * difference;
+                channels += 1;
+                worst = worst.max(difference);
+            }
+        }
+        let of = |row: &&Composite| row.background == background && row.model == "exact";
+        let composite = row(&report, Pipeline::Premultiplied8).composites.iter().find(of).expect("drawn");
+        assert_eq!(u64::from(composite.worst), worst, "{background:?}");
+        let psnr = (squares > 0).then(|| 20.0 * 255.0_f64.log10() - 10.0 * (count(squares) / count(channels)).log10());
+        match (composite.psnr, psnr) {
+            (Some(got), Some(expected)) => assert!((got - expected).abs() < 1e-9, "{background:?}: {got}, {expected}"),
+            (got, expected) => assert_eq!(got, expected, "{background:?}"),
+        }
+    }
 }
 
 #[test]

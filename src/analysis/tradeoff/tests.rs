@@ -40,6 +40,50 @@ fn figures_of_one_row_fit_together() {
     }
 }
 
+/// Every figure of a row, from the codes themselves, in other arithmetic: integers and sorted lists.
+#[test]
+fn figures_are_those_of_the_codes() {
+    let (exact, fixed) = (registry::by_name("exact").expect("a model"), registry::by_name("fixed:8").expect("a model"));
+    let inputs = Inputs::new(5);
+    let format = ColorFormat::from_name("rgba8unorm").expect("a format");
+    let blend = state(STATES[0].1);
+    let (layers, texels) = (3, 80);
+    let (mut errors, mut off) = (Vec::new(), 0_u32);
+    for texel in 0..texels {
+        let stack = inputs.stack(Input::Random, format, &blend, texel, layers);
+        let draw = |model: &dyn NumericModel| {
+            let mut dst = stack.dst;
+            for src in &stack.layers {
+                let blend = Some(blend);
+                dst = model.merge_color(&ColorInputs {
+                    format,
+                    blend,
+                    constant: [0.0; 4],
+                    src: *src,
+                    src1: [0.0; 4],
+                    dst,
+                });
+            }
+            dst.map(|code| i64::from(code))
+        };
+        let (mine, truth) = (draw(fixed.as_ref()), draw(exact.as_ref()));
+        errors.extend(mine.iter().zip(truth).map(|(mine, truth)| mine - truth));
+        off += u32::from(mine != truth);
+    }
+    let job = Job { format, blend, layers, texels, input: Input::Random };
+    let (_, got) = job.run(&[fixed.as_ref()], &inputs).remove(0);
+    let number = |n: i64| f64::from(i32::try_from(n).expect("small"));
+    let count = number(i64::try_from(errors.len()).expect("small"));
+    let mean = |of: fn(i64) -> i64| number(errors.iter().map(|error| of(*error)).sum()) / count;
+    errors.iter().for_each(|error| assert!(error.abs() < 256));
+    assert!(off > 0, "the sample shows something");
+    assert_eq!(got.max, number(errors.iter().map(|error| error.abs()).max().expect("some")), "max");
+    assert!((got.mean - mean(i64::abs)).abs() < 1e-12, "mean");
+    assert!((got.rms * got.rms - mean(|error| error * error)).abs() < 1e-9, "root of the mean square");
+    assert!((got.bias - mean(|error| error)).abs() < 1e-12, "bias");
+    assert_eq!((got.pixels, got.pixels_off), (u64::from(texels), f64::from(off) / f64::from(texels)), "pixels");
+}
+
 #[test]
 fn single_precision_on_eight_bits_is_off_at_ties_only() {
     let rows = small(&["rgba8unorm"], &[(1, 500)]);

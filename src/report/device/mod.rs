@@ -4,6 +4,8 @@ pub mod page;
 
 use serde::Serialize;
 
+use crate::verdict::Verdict;
+
 #[cfg(feature = "gpu")]
 use crate::{
     crosscheck::Device,
@@ -34,7 +36,7 @@ pub enum DeviceSection {
 impl std::fmt::Display for DeviceSection {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::NotRun { reason } => write!(f, "drawn by a device: not run: {reason}"),
+            Self::NotRun { reason } => write!(f, "drawn by a device: {}: {reason}", Verdict::NotRun),
             #[cfg(feature = "gpu")]
             Self::Run(report) => {
                 let all = &report.all;
