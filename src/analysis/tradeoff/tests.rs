@@ -64,7 +64,7 @@ fn figures_are_those_of_the_codes() {
                     dst,
                 });
             }
-            dst.map(|code| i64::from(code))
+            dst.map(i64::from)
         };
         let (mine, truth) = (draw(fixed.as_ref()), draw(exact.as_ref()));
         errors.extend(mine.iter().zip(truth).map(|(mine, truth)| mine - truth));
