@@ -12,7 +12,7 @@ use super::switch::{self, Switched};
 use super::{Failure, read};
 
 /// Rounds of compiling and giving up what the compiler refuses; types, borrows and constants are checked one after another.
-const ROUNDS: usize = 12;
+const ROUNDS: usize = 40;
 
 /// Test programs left out: sweeps over every input, which take long and are about other rooms, and a program that is no harness.
 const LEFT_OUT: [&str; 4] = ["exact", "kernel", "crosscheck", "fuzz_corpus"];
@@ -184,6 +184,15 @@ fn give_up(error: &Value, switched: &BTreeMap<String, Switched>, mutants: &mut [
         let ids: Vec<u32> = inside.flat_map(|(_, ids)| ids.clone()).collect();
         if !ids.is_empty() {
             give(&ids, State::NotSwitched);
+            return Ok(());
+        }
+    }
+    // A body with two kinds of values for one `impl Trait`: the error is about what comes after the return.
+    for span in &spans {
+        let Some(file) = span["file_name"].as_str().and_then(|file| switched.get(file)) else { continue };
+        let before = file.switches.iter().filter(|(range, _)| range.end <= place(span).0);
+        if let Some((_, ids)) = before.max_by_key(|(range, _)| range.end) {
+            give(ids, State::NotSwitched);
             return Ok(());
         }
     }
