@@ -153,8 +153,13 @@ fn check(tree: &Path) -> Result<Vec<Value>, Failure> {
 
 /// Gives up the mutants that an error is about: the one in whose text it is, or all of the innermost switch around it.
 fn give_up(error: &Value, switched: &BTreeMap<String, Switched>, mutants: &mut [Mutant]) -> Result<(), Failure> {
-    let mut spans: Vec<&Value> = error["spans"].as_array().into_iter().flatten().collect();
+    let of = |part: &'_ Value| part["spans"].as_array().cloned().unwrap_or_default();
+    let mut spans = of(error);
     spans.sort_by_key(|span| span["is_primary"] != true);
+    if error["code"]["code"] == "E0004" {
+        // A match without its last arm: the compiler points at the match, and where one more arm would go.
+        spans = error["children"].as_array().into_iter().flatten().flat_map(of).collect();
+    }
     let number = |value: &Value| value.as_u64().and_then(|n| usize::try_from(n).ok()).unwrap_or(0);
     let place = |span: &Value| (number(&span["byte_start"]), number(&span["byte_end"]));
     let mut give = |ids: &[u32], state: State| {
