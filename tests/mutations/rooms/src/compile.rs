@@ -14,7 +14,8 @@ use super::{Failure, read};
 /// Rounds of compiling and giving up what the compiler refuses; types, borrows and constants are checked one after another.
 const ROUNDS: usize = 40;
 
-/// Test programs left out: sweeps over every input, which take long and are about other rooms, and a program that is no harness.
+/// Test programs left out: sweeps over every input, seeds of the fuzzers and draws on a device, which take long and are about other
+/// rooms.
 const LEFT_OUT: [&str; 4] = ["exact", "kernel", "crosscheck", "fuzz_corpus"];
 
 /// The module that the switches ask.

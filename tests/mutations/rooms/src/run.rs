@@ -69,7 +69,7 @@ pub fn all(
         let (survived, missed) = (count("survived"), count("not reached"));
         let (unviable, without) = (count("unviable"), count("not switched"));
         let viable = caught + late + survived + missed;
-        let share = if viable == 0 { 0 } else { 1000 * (caught + late) / viable };
+        let share = (1000 * (caught + late)).checked_div(viable).unwrap_or(0);
         enough &= viable > 0 && share >= 900;
         println!(
             "| {room} | {} | {unviable} | {without} | {caught} | {late} | {survived} | {missed} | {}.{} % |",
