@@ -41,8 +41,8 @@ pub fn text(results: &Results, all_shards: bool) -> String {
             text.push('\n');
         }
     }
-    for line in not_run(results) {
-        let _ = writeln!(text, "not run: {line}");
+    for line in not_compared(results) {
+        let _ = writeln!(text, "{line}");
     }
     let _ = writeln!(text, "{}", results.missing(all_shards));
     for (spec, outcome) in results.spec_totals() {
@@ -118,8 +118,8 @@ pub fn markdown(results: &Results, all_shards: bool) -> String {
         }
         text.push('\n');
     }
-    for line in not_run(results) {
-        let _ = writeln!(text, "- not run: {line}");
+    for line in not_compared(results) {
+        let _ = writeln!(text, "- {line}");
     }
     results.missing(all_shards).to_string().lines().for_each(|line| text.push_str(&format!("- {line}\n")));
     text
@@ -131,22 +131,24 @@ fn rows(results: &Results) -> impl Iterator<Item = (String, u64, Vec<String>)> {
         let texels = row.values().map(|total| total.texels).max().unwrap_or(0);
         let cell = |model: &String| match row.get(model) {
             Some(total) if total.states > 0 => format!("{}/{}", total.states_matched, total.states),
-            _ => "not run".to_owned(),
+            // The units were run, and the model says nothing of them.
+            Some(_) => Verdict::NotCovered.to_string(),
+            None => Verdict::NotRun.to_string(),
         };
         let cells = results.models.iter().map(cell).collect();
         (format, texels, cells)
     })
 }
 
-/// Units, and models in units, that were not compared, each with its reason.
-fn not_run(results: &Results) -> Vec<String> {
+/// Units that were not run, in whole or in part, and formats that a model does not cover, each with its reason.
+fn not_compared(results: &Results) -> Vec<String> {
     let mut lines = Vec::new();
     // Units of which a part was left out, by the reason.
     let mut partly: BTreeMap<&String, Vec<&String>> = BTreeMap::new();
     let mut left_out: BTreeMap<(&String, &String), String> = BTreeMap::new();
     for unit in &results.units {
         if let Some(reason) = &unit.not_run {
-            lines.push(format!("{}: {reason}", unit.unit));
+            lines.push(format!("{}: {}: {reason}", Verdict::NotRun, unit.unit));
         }
         if let Some(reason) = &unit.left_out {
             partly.entry(reason).or_default().push(&unit.unit);
@@ -163,11 +165,12 @@ fn not_run(results: &Results) -> Vec<String> {
         }
     }
     lines.extend(partly.into_iter().map(|(reason, units)| match units.as_slice() {
-        [unit] => format!("in {unit}: {reason}"),
-        [first, rest @ ..] => format!("in {first} and {} more: {reason}", rest.len()),
+        [unit] => format!("{}: in {unit}: {reason}", Verdict::NotRun),
+        [first, rest @ ..] => format!("{}: in {first} and {} more: {reason}", Verdict::NotRun, rest.len()),
         [] => reason.clone(),
     }));
-    lines.extend(left_out.into_iter().map(|((model, reason), formats)| format!("{model} on {formats}: {reason}")));
+    let not_covered = |((model, reason), formats)| format!("{}: {model} on {formats}: {reason}", Verdict::NotCovered);
+    lines.extend(left_out.into_iter().map(not_covered));
     lines
 }
 
@@ -340,7 +343,7 @@ mod tests {
     fn what_was_not_run_is_named_with_its_reason() {
         for text in [text(&results(), false), markdown(&results(), false)] {
             assert!(text.contains("not run: v: no such format"), "a unit: {text}");
-            assert!(text.contains("not run: c on r8unorm: too slow"), "a model: {text}");
+            assert!(text.contains("not covered: c on r8unorm: too slow"), "a model: {text}");
         }
     }
 
@@ -359,6 +362,6 @@ mod tests {
     #[test]
     fn markdown_rows_have_a_cell_for_each_model() {
         let text = markdown(&results(), false);
-        assert!(text.contains("| r8unorm | 10 | 2/2 | 1/2 | not run |"), "{text}");
+        assert!(text.contains("| r8unorm | 10 | 2/2 | 1/2 | not covered |"), "{text}");
     }
 }

@@ -183,6 +183,48 @@ fn sweeps_stay_within_the_theory_of_exact_and_see_every_alpha() {
     }
 }
 
+/// A sweep's rows by following every code for more frames than there are codes.
+#[test]
+fn sweeps_are_what_following_every_code_finds() {
+    let cases = [
+        ("fade", "exact", [1_u8, 6, 64, 255]),
+        ("fade", "fixed:8,rounding=truncate", [1, 6, 64, 255]),
+        ("premultiplied", "exact", [0, 3, 128, 254]),
+        // Codes that swap places.
+        ("one-minus-dst zero", "exact", [0, 1, 77, 255]),
+        ("one-minus-dst one-minus-src", "fixed:8", [0, 1, 77, 255]),
+    ];
+    for (state, model, alphas) in cases {
+        let model = registry::by_name(model).expect("a model");
+        let swept = sweep(&question(state, "r8unorm", 0.0, 0.0), model.as_ref(), &|| ()).expect("a map of codes");
+        for alpha in alphas {
+            let (mut above, mut below, mut cycles, mut frames) = (0_i64, 0_i64, 0, 0);
+            for source in 0..=255_u8 {
+                let question = question(state, "r8unorm", f32::from(alpha) / 255.0, f32::from(source) / 255.0);
+                let next: Vec<u32> = (0..256).map(|code| question.next(model.as_ref(), code)).collect();
+                let follow = |from: u32, count: usize| (0..count).fold(from, |at, _| next[at as usize]);
+                // After 256 frames every code is in its limit.
+                let mut in_limit = [false; 256];
+                (0..256).for_each(|code| in_limit[follow(code, 256) as usize] = true);
+                cycles += u32::from((0..256_u32).any(|at| in_limit[at as usize] && next[at as usize] != at));
+                for code in 0..256 {
+                    let way = std::iter::successors(Some(code), |at| Some(next[*at as usize]));
+                    let first = way.take_while(|at| !in_limit[*at as usize]).count();
+                    frames = frames.max(u32::try_from(first).expect("small"));
+                }
+                let Some(goal) = question.goal().map(i64::from) else { continue };
+                // The whole limit counts.
+                let limit = |from: u32| (256..512).map(move |count| i64::from(follow(from, count)));
+                above = above.max(limit(255).map(|code| code - goal).max().expect("codes"));
+                below = below.max(limit(0).map(|code| goal - code).max().expect("codes"));
+            }
+            let row = swept.rows[usize::from(alpha)];
+            let found = (i64::from(row.stuck_above), i64::from(row.stuck_below), row.sources_with_cycles, row.frames);
+            assert_eq!(found, (above, below, cycles, frames), "{state}, {}, alpha {alpha}", model.name());
+        }
+    }
+}
+
 #[test]
 fn questions_without_a_map_say_why() {
     let message = |question: Question| question.check().expect_err("no map").to_string();

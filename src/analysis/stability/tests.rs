@@ -81,10 +81,27 @@ fn outcome(rows: &[super::extreme::ExtremeRow], name: &str, model: usize) -> Str
 fn extreme_blends_come_out_by_the_rules() {
     let (exact, llvmpipe) = (Exact::default(), registry::by_name("llvmpipe").expect("a model"));
     let rows = extremes(&[&exact, llvmpipe.as_ref()]);
-    for (name, in_exact) in [
+    // Each by hand, from the factors and the format.
+    let by_hand = [
+        ("NaN stored in unorm", "0"),
+        // 0 a + (1 - a) 1 with a NaN that counts as 0: 1/2 is 127.5 of 255, to even.
+        ("NaN blended into unorm", "0.502"),
+        ("NaN alpha into unorm", "0.2"),
         ("infinity into unorm", "1"),
+        ("NaN stored in half", "NaN"),
         ("factor zero times stored NaN", "NaN"),
+        ("factor zero times source Inf", "NaN"),
         ("Inf - Inf", "NaN"),
+        ("min of NaN and 1", "1"),
+        ("max of NaN and 1", "1"),
+        ("-0 by factors one, zero", "0"),
+        ("subnormal half added", "5.960e-8"),
+        ("subnormal f32 added", "1.000e-40"),
+        // Halves lie 32 apart up to 65504; 65520 is the tie to infinity, and 65504 the odd code.
+        ("65504 + 16 in half", "inf"),
+        ("65504 + 65504 in half", "inf"),
+        // 1e6 times the binary32 next to 0.01 is 9999.99978, halves there lie 8 apart.
+        ("1e6 times 0.01 in half", "10000"),
         ("alpha -1 on half", "0"),
         ("alpha 2 on half", "1.5"),
         ("alpha 2 on unorm", "0.6"),
@@ -93,9 +110,14 @@ fn extreme_blends_come_out_by_the_rules() {
         ("subtract below 0 on half", "-0.5"),
         ("constant 2 on unorm", "0.502"),
         ("constant 2 on half", "1"),
-    ] {
+    ];
+    assert_eq!(rows.iter().map(|row| row.name).collect::<Vec<_>>(), by_hand.map(|(name, _)| name), "every case");
+    for (name, in_exact) in by_hand {
         assert_eq!(outcome(&rows, name, 0), in_exact, "{name}");
     }
+    let differ = rows.iter().filter(|row| row.outcomes[0] != row.outcomes[1]).count();
+    let told = super::extreme::finding(&rows);
+    assert!(told.starts_with(&format!("{differ} of 24 extreme blends have different outcomes")), "{differ}: {told}");
     assert_eq!(outcome(&rows, "factor zero times stored NaN", 1), "0.5", "llvmpipe drops terms of factor zero");
     assert_eq!(outcome(&rows, "65504 + 65504 in half", 1), "65504", "llvmpipe truncates");
     assert_eq!(outcome(&rows, "65504 + 65504 in half", 0), "inf", "nearest goes to Inf");
@@ -115,11 +137,62 @@ fn extreme_depths_are_clamped_in_every_model() {
     }
 }
 
+/// The depths that `exact` stores, by hand: clamped to 0 to 1, a half of an odd number of steps away from zero.
+#[test]
+fn extreme_depths_are_those_by_hand() {
+    let exact = Exact::default();
+    let rows = depths(&[&exact]);
+    let all: Vec<_> = rows.iter().map(|row| (row.name, row.format, row.outcomes[0].as_str())).collect();
+    let by_hand = |name, [sixteen, twenty_four, float]: [&'static str; 3]| {
+        [(name, "depth16unorm", sixteen), (name, "depth24plus", twenty_four), (name, "depth32float", float)]
+    };
+    let expected = [
+        by_hand("NaN", ["code 0", "code 0", "0"]),
+        by_hand("-0", ["code 0", "code 0", "0"]),
+        by_hand("-0.5", ["code 0", "code 0", "0"]),
+        by_hand("1.5", ["code 65535", "code 16777215", "1"]),
+        by_hand("Inf", ["code 65535", "code 16777215", "1"]),
+        by_hand("0.5", ["code 32768", "code 8388608", "0.5"]),
+    ];
+    assert_eq!(all, expected.concat());
+}
+
 #[test]
 fn projection_maps_near_and_far_to_the_ends() {
     for far in [10.0, 1e6] {
         assert_eq!((depth(1.0, far, false), depth(1.0, far, true)), (0.0, 1.0), "near");
         assert!((depth(far, far, false) - 1.0).abs() < 1e-12 && depth(far, far, true).abs() < 1e-12, "far");
+    }
+}
+
+/// Every row of the depth table from a projection matrix and codes counted by hand.
+#[test]
+fn depth_precision_is_that_of_a_projection_matrix_and_a_plain_count() {
+    for row in precision(&Exact::default()) {
+        let far = row.ratio;
+        // Right-handed, depth 0 to 1; swapping the planes reverses it.
+        let (near_plane, far_plane) = if row.reversed { (far, 1.0) } else { (1.0, far) };
+        let matrix = glam::dcamera::rh::proj::directx::perspective(1.0, 1.0, near_plane, far_plane);
+        let code = |z: f64| {
+            let clip = matrix * glam::DVec4::new(0.0, 0.0, -z, 1.0);
+            #[expect(clippy::cast_possible_truncation, reason = "the rounding under test")]
+            let depth = (clip.z / clip.w) as f32;
+            match row.format {
+                "depth16unorm" => (f64::from(depth) * 65_535.0).round(),
+                "depth24plus" => (f64::from(depth) * 16_777_215.0).round(),
+                _ => f64::from(depth),
+            }
+        };
+        for (gap, lost) in [0.01, 0.001, 0.0001].into_iter().zip(row.lost) {
+            let same = (0..1000_u32).filter(|i| {
+                let z = ((far / (1.0 + gap)).ln() * (f64::from(*i) + 0.5) / 1000.0).exp();
+                let (near, far) = (code(z), code(z * (1.0 + gap)));
+                if row.reversed { near <= far } else { near >= far }
+            });
+            let expected = f64::from(u32::try_from(same.count()).expect("at most 1000")) / 1000.0;
+            // The two ways round differently in the last digits of binary64, which moves a few pairs over an edge.
+            assert!((lost - expected).abs() <= 0.005, "{row:?}, gap {gap}: {expected}");
+        }
     }
 }
 

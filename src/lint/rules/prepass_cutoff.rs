@@ -22,8 +22,8 @@ fn state(_: &StateQuestion) -> Option<Finding> {
 fn scene(view: &View<'_>) -> Result<Vec<Finding>, SceneError> {
     let mut findings = Vec::new();
     for (index, prepass) in view.draws.iter().enumerate().filter(|(_, draw)| is_prepass(draw)) {
-        // The passes of an object follow one another.
-        let color = view.draws[index + 1..].iter().take_while(|draw| draw.object == prepass.object);
+        // The passes of an object follow one another; the prepass itself writes no color.
+        let color = view.draws[index..].iter().take_while(|draw| draw.object == prepass.object);
         let Some(color) = color.into_iter().find(|draw| writes_color(draw)) else { continue };
         let (before, after) = (prepass.state.alpha_test, color.state.alpha_test);
         if before == after {

@@ -1,5 +1,6 @@
 mod example;
 mod law;
+mod plan;
 mod property;
 mod technique;
 

@@ -161,6 +161,7 @@ fn give_up(error: &Value, switched: &BTreeMap<String, Switched>, mutants: &mut [
         // A match without its last arm: the compiler points at the match, and where one more arm would go.
         spans = error["children"].as_array().into_iter().flatten().flat_map(of).collect();
     }
+    spans = spans.into_iter().map(call_site).collect();
     let number = |value: &Value| value.as_u64().and_then(|n| usize::try_from(n).ok()).unwrap_or(0);
     let place = |span: &Value| (number(&span["byte_start"]), number(&span["byte_end"]));
     let mut give = |ids: &[u32], state: State| {
@@ -203,6 +204,14 @@ fn give_up(error: &Value, switched: &BTreeMap<String, Switched>, mutants: &mut [
         }
     }
     Err(format!("an error is about no mutant: {}", error["rendered"].as_str().unwrap_or_default()).into())
+}
+
+/// A place inside a macro of the standard library stands for where the crate calls it.
+fn call_site(mut span: Value) -> Value {
+    while span["file_name"].as_str().is_some_and(|file| !file.starts_with("src/")) && span["expansion"].is_object() {
+        span = span["expansion"]["span"].take();
+    }
+    span
 }
 
 /// Builds the tests.

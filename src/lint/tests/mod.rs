@@ -1,3 +1,7 @@
+//! Which rules fire ([`examples`]: what they show).
+
+mod examples;
+
 use std::path::Path;
 
 use super::*;
@@ -36,12 +40,16 @@ fn fired(scene: &Scene) -> Vec<&'static str> {
 
 fn state(state: &str) -> StateQuestion {
     StateQuestion {
-        block: text::parse(state, &Properties::new()).expect("a state"),
+        block: block(state),
         format: ColorFormat::from_name("rgba8unorm").expect("a format"),
         constant: None,
         source: None,
         depth_known: true,
     }
+}
+
+fn block(state: &str) -> StateBlock {
+    text::parse(state, &Properties::new()).expect("a state")
 }
 
 fn fired_by(question: &StateQuestion) -> Vec<&'static str> {
@@ -71,6 +79,10 @@ fn destination_alpha_fires_on_targets_whose_alpha_matters() {
     assert!(fired(&scene(window, &[FADE])).is_empty(), "nobody reads a window's alpha");
     let reader = with_pass(FADE, "Blend OneMinusDstAlpha DstAlpha, Zero One ZWrite Off");
     assert_eq!(fired(&scene(window, &[FADE, &reader])), ["destination-alpha"], "a later factor reads it");
+    let own_reader = with_pass(FADE, "Blend OneMinusDstAlpha DstAlpha, SrcAlpha OneMinusSrcAlpha ZWrite Off");
+    assert!(fired(&scene(window, &[&own_reader])).is_empty(), "a draw's own factors read the alpha from before it");
+    let other = with_pass(FADE, "Blend SrcAlpha OneMinusSrcAlpha, Zero One ZWrite Off");
+    assert!(fired(&scene(layer, &[&other])).is_empty(), "a factor that is not SrcAlpha squares nothing");
     assert_eq!(fired_by(&state("Blend SrcAlpha OneMinusSrcAlpha ZWrite Off")), ["destination-alpha"], "a state alone");
     assert!(fired_by(&state("alpha-blending")).is_empty(), "a preset with factors for alpha");
     assert!(fired_by(&state("Blend SrcAlpha OneMinusSrcAlpha ZWrite Off ColorMask RGB")).is_empty(), "alpha masked");
@@ -204,6 +216,16 @@ fn one_zero_fires_on_float_targets_alone() {
     passes[0].state.blend[0] = Some(BlendState::REPLACE);
     float.materials[0].passes = Some(passes);
     assert_eq!(fired(&float), ["one-zero"], "in a scene");
+    assert_eq!(
+        fired_by(&StateQuestion { block: block("Blend One One, One Zero ZWrite Off"), ..question("rgba16float") }),
+        ["one-zero"],
+        "alpha alone"
+    );
+    assert_eq!(
+        fired_by(&StateQuestion { block: block("Blend One Zero, One One ZWrite Off"), ..question("rgba16float") }),
+        ["one-zero"],
+        "color alone"
+    );
 }
 
 #[test]
@@ -220,6 +242,28 @@ fn queue_fires_where_it_does_not_suit_the_state() {
     assert_eq!(tagged("Geometry", over), ["queue"], "a state alone, blended");
     assert_eq!(tagged("Transparent", ""), ["queue"], "a state alone, opaque");
     assert!(tagged("Transparent", over).is_empty() && tagged("AlphaTest", "").is_empty(), "as they should be");
+    assert!(tagged("Transparent", "ColorMask 0").is_empty(), "nothing is written");
+    assert_eq!(
+        tagged("Geometry", "Blend One Zero, One OneMinusSrcAlpha ZWrite Off"),
+        ["queue"],
+        "alpha alone is blended"
+    );
+    assert_eq!(tagged("Geometry", "Blend One One, One Zero ZWrite Off"), ["queue"], "color alone is blended");
+    // Queues order nothing where the objects are listed in order, or where replacement shading draws them.
+    let mut listed = scene(window, &[&late]);
+    listed.order = crate::scene::description::Order::Listed;
+    assert!(fired(&listed).is_empty(), "drawn as listed");
+    let replaced =
+        "clear = [0.1, 0.1, 0.1, 1.0]\n[replacement]\nrender-type = \"Opaque\"\ncolor = [1.0, 1.0, 1.0, 1.0]\n";
+    assert!(fired(&scene(replaced, &[&late])).is_empty(), "replaced");
+    // Passes over an opaque one: a glow that blends is a reason to be late, a further light is none.
+    let glowing = format!(
+        "{late}\n[[material.pass]]\nname = \"base\"\nstate = \"ZWrite On\"\n\
+         [[material.pass]]\nname = \"glow\"\nstate = \"Blend One One, Zero One ZWrite Off ZTest Equal\""
+    );
+    assert!(fired(&scene(window, &[&glowing])).is_empty(), "a later pass blends");
+    let lit = "clear = [0.1, 0.1, 0.1, 1.0]\n[[light]]\ndirection = [0.0, 0.0, -1.0]\n[[light]]\ndirection = [1.0, 0.0, -1.0]\n";
+    assert_eq!(fired(&scene(lit, &[&format!("{late}\nlit = true")])), ["queue"], "a further light blends");
 }
 
 /// Bundled scenes show mistakes on purpose; all others are clean.
@@ -243,9 +287,10 @@ fn bundled_scenes_are_clean_but_for_those_that_show_a_mistake() {
 
 #[test]
 fn every_rule_has_a_section_in_the_docs_with_its_sentence() {
-    let page = include_str!("../../docs/lint.md");
+    let page = include_str!("../../../docs/lint.md");
     for rule in RULES {
         let section = page.split("\n## ").find(|section| section.starts_with(&format!("`{}`", rule.name)));
+        assert!(format!("{rule:?}").contains(rule.name), "a rule's name in its debug form: {rule:?}");
         let section = section.unwrap_or_else(|| panic!("docs/lint.md has no section `{}`", rule.name));
         assert!(section.contains(rule.about), "{}: the sentence `{}` opens its section", rule.name, rule.about);
     }
