@@ -155,3 +155,22 @@ fn the_example_of_the_readme_is_what_is_printed() {
     }
     assert!(lines.len() > 8, "a whole example: {lines:?}");
 }
+
+/// A code that passes through under directed rounding stands on its own, irrational, threshold.
+#[test]
+fn an_srgb_code_that_passes_through_is_kept() {
+    for model in ["exact", "exact:toward-zero"] {
+        for code in ["00", "7f", "80", "fe", "ff"] {
+            let dst = format!("#{code}{code}{code}{code}");
+            let arguments = ["explain", "--state", "zero one", "-f", "rgba8unorm-srgb", "--src", "0.2,0.2,0.2,0.5"];
+            let output = outmerge(&arguments).args(["--dst", &dst, "--model", model]).output().expect("runs");
+            let text = String::from_utf8(output.stdout).expect("UTF-8");
+            assert_eq!(output.status.code(), Some(0), "{model}, {code}: {text}");
+            let stored = format!("{code} {code} {code} {code}");
+            let line = text
+                .lines()
+                .find(|line| line.trim_start().starts_with(&format!("{model} ")) && line.ends_with(&stored));
+            assert!(line.is_some(), "{model} stores {stored}: {text}");
+        }
+    }
+}

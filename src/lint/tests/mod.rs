@@ -253,8 +253,7 @@ fn queue_fires_where_it_does_not_suit_the_state() {
     let mut listed = scene(window, &[&late]);
     listed.order = crate::scene::description::Order::Listed;
     assert!(fired(&listed).is_empty(), "drawn as listed");
-    let replaced =
-        "clear = [0.1, 0.1, 0.1, 1.0]\n[replacement]\nrender-type = \"Opaque\"\ncolor = [1.0, 1.0, 1.0, 1.0]\n";
+    let replaced = "clear = [0.1, 0.1, 0.1, 1.0]\n[replacement]\nrender-type = \"Opaque\"\ncolor = [1.0, 1.0, 1.0]\n";
     assert!(fired(&scene(replaced, &[&late])).is_empty(), "replaced");
     // Passes over an opaque one: a glow that blends is a reason to be late, a further light is none.
     let glowing = format!(

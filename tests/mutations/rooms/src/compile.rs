@@ -22,19 +22,23 @@ const LEFT_OUT: [&str; 4] = ["exact", "kernel", "crosscheck", "fuzz_corpus"];
 const MUTANT: &str = r#"//! Which mutant is switched on.
 
 use std::io::Write as _;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 const UNREAD: u32 = u32::MAX;
 const RECORD: u32 = u32::MAX - 1;
+const SWITCHES: usize = 1 << 15;
 static ACTIVE: AtomicU32 = AtomicU32::new(UNREAD);
-static SEEN: Mutex<Vec<bool>> = Mutex::new(Vec::new());
+static SEEN: [AtomicBool; SWITCHES] = [const { AtomicBool::new(false) }; SWITCHES];
 
 /// The mutant that is switched on, 0 for none; `switch` is the place that asks.
 #[inline]
 pub fn on(switch: u32) -> u32 {
     let active = ACTIVE.load(Ordering::Relaxed);
-    if active < RECORD { active } else { first(switch) }
+    if active < RECORD {
+        return active;
+    }
+    // While switches are recorded, the loops of a test come by here again and again.
+    if SEEN[switch as usize].load(Ordering::Relaxed) { 0 } else { first(switch) }
 }
 
 #[cold]
@@ -46,12 +50,7 @@ fn first(switch: u32) -> u32 {
         return active;
     };
     ACTIVE.store(RECORD, Ordering::Relaxed);
-    let Ok(mut seen) = SEEN.lock() else { return 0 };
-    let place = switch as usize;
-    if seen.len() <= place {
-        seen.resize(place + 1, false);
-    }
-    if !std::mem::replace(&mut seen[place], true) {
+    if !SEEN[switch as usize].swap(true, Ordering::Relaxed) {
         if let Ok(mut file) = std::fs::OpenOptions::new().create(true).append(true).open(path) {
             let _ = file.write_all(format!("{switch}\n").as_bytes());
         }
