@@ -262,7 +262,7 @@ fn queue_fires_where_it_does_not_suit_the_state() {
     );
     assert!(fired(&scene(window, &[&glowing])).is_empty(), "a later pass blends");
     let lit = "clear = [0.1, 0.1, 0.1, 1.0]\n[[light]]\ndirection = [0.0, 0.0, -1.0]\n[[light]]\ndirection = [1.0, 0.0, -1.0]\n";
-    assert_eq!(fired(&scene(lit, &[&format!("{late}\nlit = true")])), ["queue"], "a further light blends");
+    assert_eq!(fired(&scene(lit, &[&late])), ["queue"], "a further light blends");
 }
 
 /// Bundled scenes show mistakes on purpose; all others are clean.
