@@ -1,5 +1,6 @@
 //! The laws of the plan: what it leaves out cannot be seen, and is not computed.
 
+mod reasons;
 mod strategy;
 
 use std::sync::Mutex;
