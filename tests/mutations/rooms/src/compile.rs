@@ -137,6 +137,8 @@ fn write(tree: &Path, sources: &BTreeMap<String, Source>, mutants: &mut [Mutant]
 fn cargo(tree: &Path, arguments: &[&str]) -> Result<Vec<Value>, Failure> {
     let mut command = Command::new("cargo");
     command.current_dir(tree).args(arguments).args(["--all-features", "--message-format=json"]);
+    // What a run that was stopped left of an incremental build does not link.
+    command.env("CARGO_INCREMENTAL", "0");
     let output = command.stderr(Stdio::inherit()).output()?;
     let lines = output.stdout.split(|byte| *byte == b'\n').filter(|line| line.first() == Some(&b'{'));
     Ok(lines.map(serde_json::from_slice).collect::<Result<_, _>>()?)
