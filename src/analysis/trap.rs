@@ -175,24 +175,12 @@ fn in_color((inputs, codes): &(ColorInputs, Codes), traps: &[Trap]) -> Option<Nu
                 Place::Result => f64::from(result[channel]),
                 Place::Stored | Place::Depth => value(channels[channel], codes[channel]),
             };
-            if let Some(trap) = trap_of(value, range(channels[channel]), &traps) {
+            if let Some(trap) = trap_of(value, channels[channel].range(), &traps) {
                 return Some(Number { trap, channel, place, value });
             }
         }
     }
     None
-}
-
-/// The values a channel can hold without being clamped.
-fn range(kind: ChannelKind) -> [f64; 2] {
-    match kind {
-        ChannelKind::Absent | ChannelKind::Unorm(_) | ChannelKind::Srgb => [0.0, 1.0],
-        ChannelKind::Snorm(_) => [-1.0, 1.0],
-        ChannelKind::Float(layout) => {
-            let largest = layout.decode(layout.max_finite());
-            [if layout.signed { -largest } else { 0.0 }, largest]
-        }
-    }
 }
 
 /// The trap a number falls into.

@@ -162,6 +162,19 @@ impl ColorFormat {
 }
 
 impl ChannelKind {
+    /// The smallest and the largest number that the channel can hold; of a float channel, the finite ones.
+    #[must_use]
+    pub fn range(self) -> [f64; 2] {
+        match self {
+            Self::Absent | Self::Unorm(_) | Self::Srgb => [0.0, 1.0],
+            Self::Snorm(_) => [-1.0, 1.0],
+            Self::Float(layout) => {
+                let largest = layout.decode(layout.max_finite());
+                [if layout.signed { -largest } else { 0.0 }, largest]
+            }
+        }
+    }
+
     /// Width of a code in bits; 0 when absent.
     #[must_use]
     pub fn bits(self) -> u32 {

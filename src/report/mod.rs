@@ -9,6 +9,8 @@ pub mod gallery;
 pub mod html;
 pub mod plot;
 pub mod section;
+#[cfg(test)]
+mod tests;
 
 use std::time::Duration;
 

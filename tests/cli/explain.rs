@@ -130,6 +130,18 @@ fn wrong_arguments_are_explained() {
     with("Blend SrcAlhpa One", "0,0,0,1", "0,0,0,1", "SrcAlhpa");
     with("fade", "0,0,0", "0,0,0,1", "--src 0,0,0: write four numbers");
     with("fade", "0,0,0,1", "#12", "8 hex digits");
+    with("fade", "0,0,0,1", "300,0,0,0", "red is 300, and rgba8unorm holds numbers from 0 to 1");
+    with("fade", "0,0,0,1", "0,0,0,nan", "alpha is NaN");
+    let on = |format: &str, dst: &str, expected: &str| {
+        fails(&["explain", "--state", "fade", "-f", format, "--src", "0,0,0,1", &format!("--dst={dst}")], expected);
+    };
+    on("rgba8snorm", "0,-1.5,0,0", "green is -1.5, and rgba8snorm holds numbers from -1 to 1");
+    on("rgba16float", "0,0,1e5,0", "blue is 100000, and rgba16float holds numbers from -65504 to 65504");
+    on("rg11b10ufloat", "-0.5,0,0,0", "red is -0.5");
+    for (format, dst) in [("rgba16float", "inf,-inf,nan,-65504"), ("rg8unorm", "1,0,7,7"), ("rgba8snorm", "-1,1,0,0")] {
+        let dst = format!("--dst={dst}");
+        outmerge(&["explain", "--state", "fade", "-f", format, "--src", "0,0,0,1", &dst]).assert().success();
+    }
     fails(&["explain", "--state", "fade", "--src", "0,0,0,1", "--dst", "0,0,0,1", "-f", "rgba9"], "rgba8unorm");
     fails(&["explain", "--state", "fade", "--src", "0,0,0,1", "--dst", "0,0,0,1", "-m", "f33"], "fixed:8");
     fails(

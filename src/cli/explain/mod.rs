@@ -202,10 +202,30 @@ pub(super) fn color(option: &str, text: &str) -> Result<[f32; 4], Failure> {
     Ok([number(r)?, number(g)?, number(b)?, number(a)?])
 }
 
+/// A target holds no other numbers: a destination out of range is a slip, a code written as a number for example.
+fn in_range(format: ColorFormat, text: &str, numbers: [f32; 4]) -> Result<(), Failure> {
+    for ((kind, number), name) in format.channels().into_iter().zip(numbers).zip(["red", "green", "blue", "alpha"]) {
+        let ([low, high], number) = (kind.range(), f64::from(number));
+        let held = (low..=high).contains(&number);
+        let special = matches!(kind, ChannelKind::Float(_)) && !number.is_finite();
+        if !held && !special && kind != ChannelKind::Absent {
+            let hex = format!("#{}", "00".repeat(format.bytes_per_texel()));
+            return Err(format!(
+                "--dst {text}: {name} is {number}, and {} holds numbers from {low} to {high}; write a number in range, or \
+                 the texel's bytes in hex, e.g. {hex}",
+                format.name()
+            )
+            .into());
+        }
+    }
+    Ok(())
+}
+
 /// The stored texel: bytes in hex, or numbers stored to the nearest code.
 fn destination(format: ColorFormat, text: &str) -> Result<Codes, Failure> {
     let Some(hex) = text.strip_prefix('#') else {
         let src = color("--dst", text)?;
+        in_range(format, text, src)?;
         // Storing a number is what drawing it without blending does.
         let inputs = ColorInputs { format, blend: None, constant: [0.0; 4], src, src1: [0.0; 4], dst: [0; 4] };
         return Ok(Exact::default().merge_color(&inputs));

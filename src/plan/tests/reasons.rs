@@ -3,6 +3,7 @@
 use wgpu_types::MultisampleState;
 
 use super::*;
+use crate::state::Rect;
 
 /// The decision on a part of target 0, or of the whole draw.
 fn said(state: &MergerState, model: &str, part: Part) -> (bool, &'static str) {
@@ -37,6 +38,10 @@ fn alpha_test_and_alpha_to_coverage() {
     assert_eq!(test(&with_test(opaque.clone(), C::Never, 0.5)), (false, "it never passes, whatever the alpha"));
     let nan = with_test(opaque.clone(), C::NotEqual, f32::NAN);
     assert_eq!(test(&nan), (false, "every alpha differs from a NaN reference"));
+    for compare in [C::Less, C::Equal, C::GreaterEqual] {
+        let never = with_test(opaque.clone(), compare, f32::NAN);
+        assert_eq!(test(&never), (false, "it never passes, whatever the alpha"), "{compare:?} a NaN reference");
+    }
     let masked = with_mask(with_test(opaque.clone(), C::Greater, 0.5), NOTHING);
     assert_eq!(test(&masked), (false, NO_TRACE));
 
@@ -175,6 +180,18 @@ fn blend_and_color_write() {
     outside.multisample.mask = 0;
     let uncovered = "no sample can be covered: the scissor is empty or the sample mask has no bit";
     assert_eq!(writes(&outside, "exact"), (false, uncovered));
+    let scissor = |width, height| {
+        let mut state = target(T::Rgba8Unorm, None);
+        state.dynamic.scissor = Some(Rect { x: 0, y: 0, width, height });
+        writes(&state, "exact")
+    };
+    assert_eq!((scissor(0, 4), scissor(4, 0)), ((false, uncovered), (false, uncovered)), "empty");
+    assert_eq!(scissor(1, 1), (true, "fragments that pass store their color"));
+    // Whether the mask is whole is told of targets that are not written too.
+    let whole =
+        |mask| plan(&with_test(with_mask(target(T::Rg8Unorm, None), mask), CompareFunction::Never, 0.0), "exact");
+    let whole = |mask| whole(mask).targets[0].expect("a target").whole;
+    assert!(whole(ColorWrites::RED | ColorWrites::GREEN) && !whole(ColorWrites::RED | ColorWrites::ALPHA));
 }
 
 #[test]
