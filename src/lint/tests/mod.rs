@@ -171,6 +171,13 @@ fn prepass_cutoff_fires_where_the_prepass_keeps_what_the_color_pass_drops() {
     assert_eq!(hole(""), ["prepass-cutoff"], "no test in the prepass");
     assert_eq!(hole("AlphaTest Greater 0.25"), ["prepass-cutoff"], "a lower cutoff");
     assert!(hole("AlphaTest Greater 0.75").is_empty(), "the same test");
+    // A pass that marks stencil is no depth prepass, though its test shows too.
+    let stencil = "mode = \"fade\"\ntexture = \"half\"\n[[material.pass]]\nname = \"mark\"\n\
+                   state = \"ZWrite Off ColorMask 0 AlphaTest Greater 0.75 Stencil { Ref 1 Pass Replace }\"\n\
+                   [[material.pass]]\nname = \"color\"\n\
+                   state = \"Blend SrcAlpha OneMinusSrcAlpha ZWrite Off AlphaTest Greater 0.25 Stencil { Ref 1 Comp Equal }\"";
+    let with_stencil = format!("{window}depth = \"depth24plus-stencil8\"\n");
+    assert!(!fired(&scene(&with_stencil, &[stencil])).contains(&"prepass-cutoff"), "stencil");
 }
 
 #[test]
