@@ -148,7 +148,7 @@ fn not_compared(results: &Results) -> Vec<String> {
     let mut left_out: BTreeMap<(&String, &String), String> = BTreeMap::new();
     for unit in &results.units {
         if let Some(reason) = &unit.not_run {
-            lines.push(format!("{}: {}: {reason}", Verdict::NotRun, unit.unit));
+            lines.push(format!("{}: {reason}", unit.unit));
         }
         if let Some(reason) = &unit.left_out {
             partly.entry(reason).or_default().push(&unit.unit);
@@ -165,10 +165,11 @@ fn not_compared(results: &Results) -> Vec<String> {
         }
     }
     lines.extend(partly.into_iter().map(|(reason, units)| match units.as_slice() {
-        [unit] => format!("{}: in {unit}: {reason}", Verdict::NotRun),
-        [first, rest @ ..] => format!("{}: in {first} and {} more: {reason}", Verdict::NotRun, rest.len()),
+        [unit] => format!("in {unit}: {reason}"),
+        [first, rest @ ..] => format!("in {first} and {} more: {reason}", rest.len()),
         [] => reason.clone(),
     }));
+    lines.iter_mut().for_each(|line| line.insert_str(0, &format!("{}: ", Verdict::NotRun)));
     let not_covered = |((model, reason), formats)| format!("{}: {model} on {formats}: {reason}", Verdict::NotCovered);
     lines.extend(left_out.into_iter().map(not_covered));
     lines

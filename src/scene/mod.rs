@@ -37,4 +37,4 @@ pub use render::{DrawReport, Rendered, SceneError};
 pub use shade::PixelFragment;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

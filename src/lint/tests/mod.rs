@@ -2,27 +2,30 @@
 
 mod examples;
 
-use std::path::Path;
-
 use super::*;
-use crate::scene::file::Syntax;
+use crate::scene::tests::{FADE, OPAQUE, quads};
 use crate::state::shaderlab::Properties;
 use crate::state::text;
 
+const TEXTURES: &str = r#"
+[[texture]]
+name = "half"
+pattern = "solid"
+size = [4, 4]
+colors = [[0.8, 0.6, 0.4, 0.5]]
+space = "linear"
+[[texture]]
+name = "half premultiplied"
+pattern = "solid"
+size = [4, 4]
+colors = [[0.4, 0.3, 0.2, 0.5]]
+space = "linear"
+premultiplied = true
+"#;
+
 /// A scene of quads from far to near, each with its material's text.
-fn scene(target: &str, quads: &[&str]) -> Scene {
-    let mut text = format!("version = 1\ntitle = \"t\"\n[target]\nwidth = 16\nheight = 16\n{target}\n");
-    text += "[[texture]]\nname = \"half\"\npattern = \"solid\"\nsize = [4, 4]\ncolors = [[0.8, 0.6, 0.4, 0.5]]\nspace = \"linear\"\n";
-    text += "[[texture]]\nname = \"half premultiplied\"\npattern = \"solid\"\nsize = [4, 4]\ncolors = [[0.4, 0.3, 0.2, 0.5]]\n";
-    text += "space = \"linear\"\npremultiplied = true\n";
-    for (i, material) in quads.iter().enumerate() {
-        text += &format!("[[material]]\nname = \"m{i}\"\n{material}\n");
-    }
-    for i in 0..quads.len() {
-        text += &format!("[[object]]\nname = \"o{i}\"\nmesh = \"quad\"\nmaterial = \"m{i}\"\n");
-        text += &format!("position = [0.0, 0.0, {:?}]\nscale = [1.5, 1.5, 1.0]\n", i as f64 * 0.5 - 2.0);
-    }
-    Scene::parse(&text, Syntax::Toml, Path::new("generated.toml")).unwrap_or_else(|error| panic!("{error}\n{text}"))
+fn scene(target: &str, materials: &[&str]) -> Scene {
+    quads(&format!("{target}{TEXTURES}"), materials)
 }
 
 /// The rules that fire, each once; every finding with a pixel is checked to differ there.
@@ -55,9 +58,6 @@ fn block(state: &str) -> StateBlock {
 fn fired_by(question: &StateQuestion) -> Vec<&'static str> {
     lint_state(question).iter().map(|finding| finding.rule).collect()
 }
-
-const OPAQUE: &str = "mode = \"opaque\"\ntint = [0.3, 0.5, 0.7, 1.0]";
-const FADE: &str = "mode = \"fade\"\ntint = [0.9, 0.2, 0.1, 0.5]";
 
 fn with_pass(material: &str, state: &str) -> String {
     format!("{material}\n[[material.pass]]\nstate = \"{state}\"")
@@ -151,23 +151,23 @@ fn blended_first_fires_where_an_opaque_draw_covers_it() {
     assert!(fired(&apart).is_empty(), "where they do not overlap, the order does not show");
 }
 
+/// A quad whose depth prepass, with this test, hides the far quad, and whose color pass draws nothing: a hole.
+fn hole(depth: &str) -> Scene {
+    let material = format!(
+        "mode = \"fade\"\ntexture = \"half\"\nqueue = \"Transparent\"\n[[material.pass]]\nname = \"depth\"\n\
+         state = \"ZWrite On ColorMask 0 {depth}\"\n[[material.pass]]\nname = \"color\"\n\
+         state = \"Blend SrcAlpha OneMinusSrcAlpha ZWrite Off AlphaTest Greater 0.75\""
+    );
+    let mut scene = scene("clear = [0.1, 0.1, 0.1, 1.0]", &[FADE, &material]);
+    scene.order = crate::scene::description::Order::Listed;
+    scene.objects.swap(0, 1);
+    scene
+}
+
 #[test]
 fn prepass_cutoff_fires_where_the_prepass_keeps_what_the_color_pass_drops() {
     let window = "clear = [0.1, 0.1, 0.1, 1.0]\n";
-    let two = |depth: &str, color: &str| {
-        format!(
-            "mode = \"fade\"\ntexture = \"half\"\nqueue = \"Transparent\"\n[[material.pass]]\nname = \"depth\"\n\
-             state = \"ZWrite On ColorMask 0 {depth}\"\n[[material.pass]]\nname = \"color\"\n\
-             state = \"Blend SrcAlpha OneMinusSrcAlpha ZWrite Off {color}\""
-        )
-    };
-    // The near quad's prepass hides the far quad, and its color pass draws nothing: a hole.
-    let hole = |depth: &str| {
-        let mut scene = scene(window, &[FADE, &two(depth, "AlphaTest Greater 0.75")]);
-        scene.order = crate::scene::description::Order::Listed;
-        scene.objects.swap(0, 1);
-        fired(&scene)
-    };
+    let hole = |depth: &str| fired(&hole(depth));
     assert_eq!(hole(""), ["prepass-cutoff"], "no test in the prepass");
     assert_eq!(hole("AlphaTest Greater 0.25"), ["prepass-cutoff"], "a lower cutoff");
     assert!(hole("AlphaTest Greater 0.75").is_empty(), "the same test");

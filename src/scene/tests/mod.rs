@@ -17,6 +17,23 @@ fn bundled(name: &str) -> Scene {
     Scene::bundled_by_name(name).expect("a bundled scene").expect("bundled scenes are correct")
 }
 
+/// A small scene of quads from far to near, each with the text of its material; `target` may go on with other tables.
+pub(crate) fn quads(target: &str, materials: &[&str]) -> Scene {
+    let mut text = format!("version = 1\ntitle = \"t\"\n[target]\nwidth = 16\nheight = 16\n{target}\n");
+    for (i, material) in materials.iter().enumerate() {
+        text += &format!("[[material]]\nname = \"m{i}\"\n{material}\n");
+    }
+    for i in 0..materials.len() {
+        text += &format!("[[object]]\nname = \"o{i}\"\nmesh = \"quad\"\nmaterial = \"m{i}\"\n");
+        text += &format!("position = [0.0, 0.0, {:?}]\nscale = [1.5, 1.5, 1.0]\n", i as f64 * 0.5 - 2.0);
+    }
+    Scene::parse(&text, Syntax::Toml, Path::new("generated.toml")).unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+/// Materials of such quads.
+pub(crate) const OPAQUE: &str = "mode = \"opaque\"\ntint = [0.3, 0.5, 0.7, 1.0]";
+pub(crate) const FADE: &str = "mode = \"fade\"\ntint = [0.9, 0.2, 0.1, 0.5]";
+
 /// Codes of one texel of color target 0 in the exact model.
 fn texel(rendered: &Rendered, x: u32, y: u32) -> [u32; 4] {
     rendered.framebuffer.colors[0].as_ref().expect("scenes have a color target").codes(x, y, 0)

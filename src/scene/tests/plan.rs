@@ -3,23 +3,9 @@
 use super::*;
 use crate::plan::Traffic;
 
-/// A quad of a material before a camera that sees all of it.
 fn plan_of(target: &str, materials: &[&str]) -> planned::ScenePlan {
-    let mut text = format!("version = 1\ntitle = \"t\"\n[target]\nwidth = 16\nheight = 16\n{target}\n");
-    for (i, material) in materials.iter().enumerate() {
-        text += &format!("[[material]]\nname = \"m{i}\"\n{material}\n");
-    }
-    for i in 0..materials.len() {
-        text += &format!("[[object]]\nname = \"o{i}\"\nmesh = \"quad\"\nmaterial = \"m{i}\"\n");
-        text += &format!("position = [0.0, 0.0, {:?}]\nscale = [1.5, 1.5, 1.0]\n", i as f64 * 0.5 - 2.0);
-    }
-    let scene =
-        Scene::parse(&text, Syntax::Toml, Path::new("generated.toml")).unwrap_or_else(|error| panic!("{error}"));
-    scene.plan(&Exact::default()).expect("planned")
+    quads(target, materials).plan(&Exact::default()).expect("planned")
 }
-
-const OPAQUE: &str = "mode = \"opaque\"\ntint = [0.3, 0.5, 0.7, 1.0]";
-const FADE: &str = "mode = \"fade\"\ntint = [0.9, 0.2, 0.1, 0.5]";
 
 #[test]
 fn an_opaque_quad_and_a_faded_one_before_it_move_these_bytes() {
